@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from pirate_sm.core._engine.gliding.glided import Glide, Glided, Step, sensing_after
 from pirate_sm.core._engine.gliding.watch import Condition, SameDuty, Watch
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.sensing import environment
 from pirate_sm.core._engine.sensing.board_spec import board_name
 from pirate_sm.core._engine.sensing.body_spec import WHOLE, BodySpec
@@ -26,12 +27,7 @@ from pirate_sm.core._engine.sensing.environment import (
 )
 from pirate_sm.core._engine.sensing.environment_report import NOISE_M, NOISE_RAD
 from pirate_sm.core._engine.sensing.joint_around import STEP
-from pirate_sm.core._engine.sensing.known_signals import (
-    MotorRequest,
-    Numbers,
-    Sensing,
-    nothing_known,
-)
+from pirate_sm.core._engine.sensing.known_signals import MotorRequest, Sensing, nothing_known
 from pirate_sm.core._engine.sensing.part_axes import axis_at, axis_of, meeting, plane_of, wheel_at
 from pirate_sm.core._engine.sensing.plausibility import sift, unseen
 from pirate_sm.core._engine.sensing.plausibility_spec import WatchedSpec, WatchSpec

@@ -19,6 +19,7 @@ from pirate_sm.core._engine.mission import operator, scripted_signals
 from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.mission.signals_read import signals_read, slip_watched
 from pirate_sm.core._engine.moment import Moment
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.resuming.resumption import Resumption
 from pirate_sm.core._engine.robot import commands, confirmation, robot_state
 from pirate_sm.core._engine.robot.proofs import proofs_at_start
@@ -29,7 +30,7 @@ from pirate_sm.core._engine.safety.faults import no_faults
 from pirate_sm.core._engine.sensing import environment, surroundings
 from pirate_sm.core._engine.sensing.conversion import observe
 from pirate_sm.core._engine.sensing.distance import counting
-from pirate_sm.core._engine.sensing.known_signals import Numbers, nothing_known, with_odometry
+from pirate_sm.core._engine.sensing.known_signals import nothing_known, with_odometry
 from pirate_sm.core._engine.sensing.traction import with_traction
 from pirate_sm.core._engine.state import OUTSIDE, EngineState, MissionState
 from pirate_sm.core._model import events

@@ -1,8 +1,11 @@
-"""Speed up ``_replace`` of named tuples that are replaced often."""
+"""What the state of the engine is made of: tuples of numbers, and named tuples."""
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
+
+Numbers: TypeAlias = tuple[float, ...]
+"""Signals by their indexes, or setpoints by their slots; NaN is unknown."""
 
 T = TypeVar("T", bound=tuple[Any, ...])
 

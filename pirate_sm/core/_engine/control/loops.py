@@ -13,10 +13,10 @@ from pirate_sm.core._engine.control.position_loop import RunningPositionLoop
 from pirate_sm.core._engine.control.torque_loop import RunningTorqueLoop
 from pirate_sm.core._engine.control.velocity_loop import RunningVelocityLoop
 from pirate_sm.core._engine.control.wheel_torque_loop import WheelTorqueLoop
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.command_spec import SlotSpec, Write
 from pirate_sm.core._engine.sensing.board_spec import BoardSpec
 
-Numbers = tuple[float, ...]
 Loop: TypeAlias = RunningPositionLoop | RunningVelocityLoop | RunningTorqueLoop | WheelTorqueLoop
 Loops: TypeAlias = tuple[Loop, ...]
 

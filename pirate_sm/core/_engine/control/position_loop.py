@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from pirate_sm.core._engine.control.circumstances import Circumstances
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.command_spec import PositionSpec
-
-Numbers = tuple[float, ...]
 
 
 class RunningPositionLoop(NamedTuple):

@@ -14,7 +14,8 @@ from pirate_sm.core._engine.control.loops import Loops, after_frame, ends_with_c
 from pirate_sm.core._engine.control.stages import looped_values
 from pirate_sm.core._engine.deadlines import has_come
 from pirate_sm.core._engine.moment import Moment
-from pirate_sm.core._engine.robot.robot_state import Flight, Motion, Numbers, Purpose, RobotState
+from pirate_sm.core._engine.records import Numbers
+from pirate_sm.core._engine.robot.robot_state import Flight, Motion, Purpose, RobotState
 from pirate_sm.core._engine.sensing.board_spec import BoardSpec, LinkSpec
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._model.effects import Setpoints

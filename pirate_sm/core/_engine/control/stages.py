@@ -14,6 +14,7 @@ from pirate_sm.core._engine.control.position_loop import RunningPositionLoop
 from pirate_sm.core._engine.control.torque_loop import RunningTorqueLoop
 from pirate_sm.core._engine.control.velocity_loop import RunningVelocityLoop
 from pirate_sm.core._engine.control.wheel_torque_loop import WheelTorqueLoop
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.command_spec import StageSpec
 from pirate_sm.core._engine.robot.criteria import CriterionSpec, ReachedSpec
 from pirate_sm.core._engine.robot.done import RESTORING, holds
@@ -23,7 +24,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     STOPPED,
     Mark,
     Motion,
-    Numbers,
     RobotState,
     known_values,
     posture_of,

@@ -11,9 +11,8 @@ from typing import NamedTuple
 
 from pirate_sm.core._engine.control.circumstances import Circumstances
 from pirate_sm.core._engine.control.grip import Gripping, after_frame, gripping
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.command_spec import GripSpec, TorqueSpec
-
-Numbers = tuple[float, ...]
 
 
 class RunningTorqueLoop(NamedTuple):

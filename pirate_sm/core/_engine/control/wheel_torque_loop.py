@@ -6,9 +6,8 @@ from math import isnan, sin
 from typing import NamedTuple
 
 from pirate_sm.core._engine.control.circumstances import Circumstances
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.command_spec import WheelTorqueSpec
-
-Numbers = tuple[float, ...]
 
 
 class WheelTorqueLoop(NamedTuple):

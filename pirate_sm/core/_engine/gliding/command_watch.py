@@ -8,13 +8,13 @@ from math import isnan
 from pirate_sm.core._engine.control.position_loop import RunningPositionLoop
 from pirate_sm.core._engine.gliding.conditions import ANY_BOARD
 from pirate_sm.core._engine.gliding.watch import Condition, SameDuty
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.criteria import CriterionSpec, ReachedSpec
 from pirate_sm.core._engine.robot.done import Bound, arrived, criterion_tree
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     POSTURE,
     Motion,
-    Numbers,
     RobotState,
     criteria_of,
     posture_of,

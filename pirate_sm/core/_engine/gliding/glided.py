@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 from math import inf
 from typing import NamedTuple, TypeAlias
 
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.sensing.environment import Surveyed
-from pirate_sm.core._engine.sensing.known_signals import MotorRequest, Numbers, Sensing
+from pirate_sm.core._engine.sensing.known_signals import MotorRequest, Sensing
 from pirate_sm.core._engine.state import EngineState
 from pirate_sm.core._model.effects import Effect
 from pirate_sm.core._model.events import Event, SensorFrame

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pirate_sm.core._engine.records import often_replaced
+from pirate_sm.core._engine.records import Numbers, often_replaced
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.environment import Surveyed
-from pirate_sm.core._engine.sensing.known_signals import Numbers, Sensing
+from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._expressions.bytecode import Code
 
 

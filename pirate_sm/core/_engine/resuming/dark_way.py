@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from math import inf, isnan, nan, pi, remainder
 from typing import NamedTuple
 
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.sensing.known_signals import Numbers, Sensing
+from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._engine.state import EngineState
 
 

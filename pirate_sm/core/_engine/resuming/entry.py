@@ -17,12 +17,13 @@ from pirate_sm.core._engine.mission.program import (
     Program,
     Wait,
 )
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot import planning
 from pirate_sm.core._engine.robot.done import RESTORING
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import DECLARED, STOPPED, Mark, RobotState
 from pirate_sm.core._engine.safety import rules
-from pirate_sm.core._engine.sensing.known_signals import Numbers, nothing_known
+from pirate_sm.core._engine.sensing.known_signals import nothing_known
 from pirate_sm.core._engine.state import EngineState
 
 FAILURE = "failure"

@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.core._engine.deadlines import has_come
 from pirate_sm.core._engine.mission.program import Program
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.resuming.dark_way import DarkWay, dark_way
 from pirate_sm.core._engine.resuming.hypotheses import Hypothesis, hypotheses
 from pirate_sm.core._engine.robot.confirmation import since
@@ -27,7 +28,7 @@ from pirate_sm.core._engine.robot.robot_state import (
 )
 from pirate_sm.core._engine.robot.sensor_verdict import Shown, shown_by, spec_of, verdict
 from pirate_sm.core._engine.sensing.conversion import forget_stale, observe
-from pirate_sm.core._engine.sensing.known_signals import Numbers, Sensing, nothing_known
+from pirate_sm.core._engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.core._engine.state import OUTSIDE, EngineState
 from pirate_sm.core._model.events import SensorFrame
 

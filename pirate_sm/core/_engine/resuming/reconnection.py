@@ -12,6 +12,7 @@ from math import inf, isnan, nan
 from pirate_sm.core._engine.mission import pausing
 from pirate_sm.core._engine.mission.diverting import meet
 from pirate_sm.core._engine.moment import Moment
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.resuming.dark_way import dark_way
 from pirate_sm.core._engine.resuming.hypotheses import denied, unproven
 from pirate_sm.core._engine.resuming.reconciling import changed
@@ -19,13 +20,7 @@ from pirate_sm.core._engine.robot import commands, confirmation, robot_state
 from pirate_sm.core._engine.robot.command_outcome import doubt_grip
 from pirate_sm.core._engine.robot.confirmation import Before, LookResult
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.robot.robot_state import (
-    DECLARED,
-    STOPPED,
-    Mark,
-    Numbers,
-    confirmed_parts,
-)
+from pirate_sm.core._engine.robot.robot_state import DECLARED, STOPPED, Mark, confirmed_parts
 from pirate_sm.core._engine.safety.faults import FoundFault
 from pirate_sm.core._engine.state import EngineState
 from pirate_sm.core._model.effects import CommandStatus

@@ -7,13 +7,13 @@ from math import isnan
 
 from pirate_sm.core._engine.mission.program import Branch, Do, Program, Wait
 from pirate_sm.core._engine.mission.successors import reached
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.resuming.reconciling import VerdictTable
 from pirate_sm.core._engine.resuming.resumption import Resumption
 from pirate_sm.core._engine.robot.confirmation_spec import AnglesSpec
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import states_of
 from pirate_sm.core._engine.robot.sensor_verdict import spec_of
-from pirate_sm.core._engine.sensing.known_signals import Numbers
 
 
 def unknowns(robot: RobotSpec, program: Program, table: VerdictTable) -> tuple[str, ...]:

@@ -28,6 +28,7 @@ from pirate_sm.core._engine.control.stages import (
 )
 from pirate_sm.core._engine.deadlines import has_come
 from pirate_sm.core._engine.moment import Moment
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot import confirmation, levelling
 from pirate_sm.core._engine.robot.command_outcome import doubt_grip, marks_after, touched
 from pirate_sm.core._engine.robot.criteria import AcceptedSpec, AlignedSpec
@@ -41,7 +42,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     Levelling,
     Mark,
     Motion,
-    Numbers,
     RobotState,
     confirmed_parts,
     criteria_of,

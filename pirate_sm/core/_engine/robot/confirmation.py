@@ -14,6 +14,7 @@ from math import inf, isnan, nan
 from typing import NamedTuple
 
 from pirate_sm.core._engine.deadlines import has_come
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.confirmation_spec import DrivenSpec, StandingSpec
 from pirate_sm.core._engine.robot.criteria import AcceptedSpec
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
@@ -24,7 +25,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     STOPPED,
     Mark,
     Marks,
-    Numbers,
     RobotState,
     at_rest_in,
     states_of,

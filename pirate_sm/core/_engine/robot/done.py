@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 from pirate_sm.core._engine.control.loops import Loops
 from pirate_sm.core._engine.control.position_loop import RunningPositionLoop
 from pirate_sm.core._engine.control.torque_loop import RunningTorqueLoop
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.criteria import (
     AcceptedSpec,
     AlignedSpec,
@@ -22,8 +23,6 @@ from pirate_sm.core._engine.robot.criteria import (
 )
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._expressions import tree
-
-Numbers = tuple[float, ...]
 
 RESTORING = "resume"
 """The place of a command that a resumed mission gives before it goes on."""

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 from pirate_sm.core._engine.control.loops import Loops
 from pirate_sm.core._engine.control.position_loop import RunningPositionLoop
-from pirate_sm.core._engine.records import often_replaced
+from pirate_sm.core._engine.records import Numbers, often_replaced
 from pirate_sm.core._engine.robot.chart_table import Configuration
 from pirate_sm.core._engine.robot.command_spec import PostureSpec, StageSpec
 from pirate_sm.core._engine.robot.criteria import CriterionSpec, settled_of
@@ -16,7 +16,6 @@ from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._geometry.space import Vector
 from pirate_sm.core._model.effects import StateChange
 
-Numbers = tuple[float, ...]
 Purpose = Literal["gate", "loop", "stream", "stop"]
 
 POSTURE = -1

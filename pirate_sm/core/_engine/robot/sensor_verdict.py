@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import copysign, degrees, inf, isnan, nan
 from typing import NamedTuple
 
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.confirmation_spec import (
     AnglesSpec,
     DrivenSpec,
@@ -16,7 +17,7 @@ from pirate_sm.core._engine.robot.confirmation_spec import (
 from pirate_sm.core._engine.robot.criteria import AcceptedSpec, StoppedSpec
 from pirate_sm.core._engine.robot.done import holds
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.robot.robot_state import Mark, Numbers, RobotState, states_of
+from pirate_sm.core._engine.robot.robot_state import Mark, RobotState, states_of
 
 
 class SensorVerdict(NamedTuple):

@@ -7,6 +7,7 @@ from math import isfinite, isnan, nan
 
 from pirate_sm.core._engine.control.loops import Loops, signal_of
 from pirate_sm.core._engine.moment import Moment
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.done import (
     Bound,
     Limit,
@@ -19,7 +20,6 @@ from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     POSTURE,
     Motion,
-    Numbers,
     RobotState,
     criteria_of,
     criterion_of,

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from math import isnan, nan
 
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing import plausibility
 from pirate_sm.core._engine.sensing.board_spec import BoardSpec
-from pirate_sm.core._engine.sensing.known_signals import MotorRequest, Numbers, Sensing
+from pirate_sm.core._engine.sensing.known_signals import MotorRequest, Sensing
 from pirate_sm.core._engine.sensing.motion_plausibility import MotionRows, Rows
 from pirate_sm.core._engine.sensing.sensor_memory import BoardMemory, Reading
 from pirate_sm.core._engine.signals.evaluator import run

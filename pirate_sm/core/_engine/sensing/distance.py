@@ -10,9 +10,10 @@ from collections.abc import Collection, Sequence
 from math import copysign, inf, isinf, isnan, nan
 from statistics import fmean, median
 
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.environment import AGREEING
-from pirate_sm.core._engine.sensing.known_signals import DistanceMemory, Numbers, Sensing
+from pirate_sm.core._engine.sensing.known_signals import DistanceMemory, Sensing
 from pirate_sm.core._engine.sensing.wheel_belief import Believed, believed
 from pirate_sm.core._engine.sensing.wheel_grip import BALANCED, judge_grip
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 from math import inf, nan
 from typing import NamedTuple
 
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing import plausibility
 from pirate_sm.core._engine.sensing.sensor_memory import BoardMemory
 from pirate_sm.core._engine.sensing.traction_memory import Traction, nothing_estimated
 from pirate_sm.core._engine.signals.evaluator import UNMOVED
-
-Numbers = tuple[float, ...]
 
 
 class MotorRequest(NamedTuple):

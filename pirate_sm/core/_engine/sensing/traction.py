@@ -19,6 +19,7 @@ from collections.abc import Sequence
 from math import copysign, cos, inf, isnan, nan, sin
 from statistics import median
 
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.board_spec import BoardSpec
 from pirate_sm.core._engine.sensing.known_signals import Sensing
@@ -28,8 +29,6 @@ from pirate_sm.core._engine.sensing.traction_spec import TractionSpec, WheelTrac
 from pirate_sm.core._geometry.chain_statics import ChainLoads, couples_nm, normal_forces_n
 from pirate_sm.core._geometry.space import GRAVITY_M_S2
 from pirate_sm.core._model.effects import Environment
-
-Numbers = tuple[float, ...]
 
 FORGETTING = 0.97
 """What a frame leaves of the weight of all those before it (design: 0.97)."""

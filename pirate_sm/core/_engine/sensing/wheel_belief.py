@@ -12,9 +12,10 @@ from math import inf, isnan, nan
 from statistics import fmean, median
 from typing import NamedTuple
 
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.board_spec import WheelSpec
-from pirate_sm.core._engine.sensing.known_signals import Numbers, Sensing
+from pirate_sm.core._engine.sensing.known_signals import Sensing
 
 _STILL, _LIMP = 0.05, 0.5
 """A limp wheel has less than these shares of the speed and of the force of its duty [decided]."""

@@ -13,9 +13,10 @@ from math import inf, isnan, sin
 from statistics import fmean
 from typing import NamedTuple
 
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.board_spec import WheelSpec
-from pirate_sm.core._engine.sensing.known_signals import Numbers, Sensing
+from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._engine.sensing.wheel_belief import Believed
 from pirate_sm.core._geometry.space import GRAVITY_M_S2
 

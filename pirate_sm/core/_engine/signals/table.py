@@ -7,9 +7,10 @@ from functools import lru_cache
 from math import inf, nan
 from typing import NamedTuple, TypeAlias
 
+from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.board_spec import BoardSpec
-from pirate_sm.core._engine.sensing.known_signals import MotorRequest, Numbers, Sensing
+from pirate_sm.core._engine.sensing.known_signals import MotorRequest, Sensing
 from pirate_sm.core._engine.sensing.plausibility_spec import WatchedSpec, WatchSpec
 from pirate_sm.core._engine.signals import evaluator as op
 
