@@ -12,7 +12,7 @@ from shutil import copytree
 from statistics import median
 from typing import TYPE_CHECKING
 
-from pirate_sm.core._engine.control.torque_loop import RunningTorqueLoop
+from pirate_sm.core._engine.robot.loops import RunningTorqueLoop
 from pirate_sm.core.effects import Effect, Fault
 from pirate_sm.core.events import BuiltInFault
 from pirate_sm.core.files import library

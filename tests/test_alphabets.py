@@ -42,7 +42,7 @@ ALPHABETS = {
         "core/_model/events.py",
         "| Skip | Abort",
         "NewRequest(NamedTuple)",
-        ("core/_engine/engine.py", "core/_engine/mission/operator.py", "views/report/timeline.py"),
+        ("core/_engine/engine.py", "core/_engine/inputs.py", "views/report/timeline.py"),
     ),
     "effect": Alphabet(
         "core/_model/effects.py",
@@ -56,9 +56,9 @@ ALPHABETS = {
         "NewInstruction(NamedTuple)",
         (
             "checking/mission_behaviour.py",
-            "core/_engine/mission/successors.py",
+            "core/_engine/mission/program.py",
             "core/_engine/mission/interpreter.py",
-            "core/_engine/mission/signals_read.py",
+            "core/_engine/mission/program.py",
         ),
     ),
     "step": Alphabet(
@@ -99,7 +99,7 @@ ALPHABETS = {
         ),
     ),
     "way to see a state": Alphabet(
-        "core/_engine/robot/confirmation_spec.py",
+        "core/_engine/robot/criteria.py",
         "| ImpliedSpec | AcceptedSpec",
         "NewSeenSpec(NamedTuple)",
         ("checking/robot/profile_behaviour.py", "core/_engine/robot/sensor_verdict.py"),
@@ -117,13 +117,13 @@ ALPHABETS = {
         ("core/_loading/robot/actuation.py", "core/_model/actuation.py"),
     ),
     "loop": Alphabet(
-        "core/_engine/control/loops.py",
+        "core/_engine/robot/loops.py",
         "| RunningVelocityLoop",
         "NewLoop",
         (
-            "core/_engine/control/loops.py",
-            "core/_engine/control/sending.py",
-            "core/_engine/control/stages.py",
+            "core/_engine/robot/loops.py",
+            "core/_engine/robot/setpoint_arrays.py",
+            "core/_engine/robot/setpoint_arrays.py",
         ),
     ),
     "origin of a fault": Alphabet(

@@ -60,7 +60,7 @@ PACKAGES = {
         f"pirate_sm/lab/campaign/{name}.py"
         for name in ("intervals", "results", "tally", "watched_run")
     ),
-    "places": ("pirate_sm/robot/detectors/word_timing.py", "pirate_sm/core/_geometry/joints.py"),
+    "places": ("pirate_sm/robot/detectors/word_timing.py", "pirate_sm/core/_geometry/route.py"),
 }
 
 _QUICK = 200

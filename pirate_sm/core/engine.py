@@ -4,7 +4,7 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._engine.deadlines import ROUNDING_S, has_come
 from pirate_sm.core._engine.engine import Engine
-from pirate_sm.core._engine.evidence import NOTHING, SHOWN, Evidence
+from pirate_sm.core._engine.moment import ROUNDING_S, has_come
+from pirate_sm.core._engine.robot.criteria import NOTHING, SHOWN, Evidence
 from pirate_sm.core._engine.state import OUTSIDE, EngineState, MissionState

@@ -15,6 +15,6 @@ from pirate_sm.core._expressions import (
     compile_expression,
     tree,
 )
-from pirate_sm.core._expressions.bytecode import DEEPEST, Code, depth_of
+from pirate_sm.core._expressions.compiler import DEEPEST, Code, depth_of
 from pirate_sm.core._expressions.tree import Signal, walk
 from pirate_sm.core._expressions.vocabulary import KEYWORDS, change_of

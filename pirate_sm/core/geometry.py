@@ -5,14 +5,27 @@
 from __future__ import annotations
 
 from pirate_sm.core._geometry import plane
-from pirate_sm.core._geometry.chain_in_space import ChainInSpace, in_space
-from pirate_sm.core._geometry.clamping import WHEELS_SHARE, height_m, press_n, span_m
-from pirate_sm.core._geometry.joints import Bend, RouteJoint
-from pirate_sm.core._geometry.kinematics import Pose, link_poses
-from pirate_sm.core._geometry.mouth import sink_m
-from pirate_sm.core._geometry.network import BRANCH, IN, ON, Network, Section, port_of, tilted_up
-from pirate_sm.core._geometry.part_planes import part_normals, unit
-from pirate_sm.core._geometry.piece import Arc, Piece
+from pirate_sm.core._geometry.chain import (
+    WHEELS_SHARE,
+    ChainInSpace,
+    Pose,
+    height_m,
+    in_space,
+    link_poses,
+    press_n,
+    span_m,
+)
+from pirate_sm.core._geometry.network import (
+    BRANCH,
+    IN,
+    ON,
+    Arc,
+    Network,
+    Piece,
+    Section,
+    port_of,
+    tilted_up,
+)
 from pirate_sm.core._geometry.placement import Placement
 from pirate_sm.core._geometry.plane import (
     Walls,
@@ -20,11 +33,13 @@ from pirate_sm.core._geometry.plane import (
     flat,
     inner_corner,
     nearest_on,
+    part_normals,
     turned,
+    unit,
     walls,
 )
-from pirate_sm.core._geometry.room import Room
-from pirate_sm.core._geometry.route import Route
+from pirate_sm.core._geometry.room import Room, sink_m
+from pirate_sm.core._geometry.route import Bend, Route, RouteJoint
 from pirate_sm.core._geometry.space import (
     DRAWING,
     GRAVITY_M_S2,
@@ -37,13 +52,16 @@ from pirate_sm.core._geometry.space import (
     dot,
     scaled,
 )
-from pirate_sm.core._geometry.tube_rings import Ring, Rings, plain_tubes, walls_in_space
 from pirate_sm.core._geometry.views import (
     Outline,
+    Ring,
+    Rings,
     clock_rad,
     outlines,
+    plain_tubes,
     seen_in,
     unrolled,
     unrolled_walls,
     upright,
+    walls_in_space,
 )

@@ -9,25 +9,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import isnan
 
-from pirate_sm.core._engine import inputs
+from pirate_sm.core._engine import consequences, inputs
+from pirate_sm.core._engine import inputs as operator
+from pirate_sm.core._engine import inputs as scripted_signals
 from pirate_sm.core._engine.consequences import settle
-from pirate_sm.core._engine.evidence import Evidence
-from pirate_sm.core._engine.gliding.glided import Glided, after_glide
 from pirate_sm.core._engine.gliding.lookout import Lookout
-from pirate_sm.core._engine.gliding.watch import Watch
-from pirate_sm.core._engine.mission import operator, scripted_signals
-from pirate_sm.core._engine.mission.program import Program
-from pirate_sm.core._engine.mission.signals_read import signals_read, slip_watched
+from pirate_sm.core._engine.gliding.quiet_frames import Glided, Watch, after_glide
+from pirate_sm.core._engine.mission.program import Program, signals_read, slip_watched
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.resuming.resumption import Resumption
 from pirate_sm.core._engine.robot import commands, confirmation, robot_state
-from pirate_sm.core._engine.robot.proofs import proofs_at_start
+from pirate_sm.core._engine.robot.criteria import Evidence
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import RobotState
+from pirate_sm.core._engine.robot.sensor_verdict import proofs_at_start
 from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.safety.faults import no_faults
-from pirate_sm.core._engine.sensing import environment, surroundings
+from pirate_sm.core._engine.sensing import environment
 from pirate_sm.core._engine.sensing.conversion import observe
 from pirate_sm.core._engine.sensing.distance import counting
 from pirate_sm.core._engine.sensing.known_signals import nothing_known, with_odometry
@@ -145,7 +144,7 @@ class Engine:
         moment.emit(robot_state.state_change(self.robot, robot))
         for report in seen:
             if isinstance(report, events.SignalReport):
-                state = scripted_signals.show(moment, state, report)
+                state = scripted_signals.signal_report(moment, state, report)
         if resumed is not None:
             state = state._replace(robot=commands.stop(moment, state.robot, state.sensing))
         return settle(moment, state, state), tuple(moment.effects)
@@ -257,16 +256,16 @@ def _take(moment: Moment, state: EngineState, event: events.Event) -> EngineStat
         case events.Tick():
             return state
         case events.SignalReport():
-            return scripted_signals.show(moment, state, event)
+            return scripted_signals.signal_report(moment, state, event)
         case events.DetectorWord():
             return inputs.word(moment, state, event)
         case events.EnvironmentReport():
-            return surroundings.hear(moment, state, event)
+            return consequences.environment_report(moment, state, event)
         case events.OutsideNumber():
             return inputs.outside_number(moment, state, event)
         case events.FaultReport():
             return inputs.fault_report(moment, state, event)
         case events.CommandFailed():
-            return scripted_signals.fail_command(moment, state, event)
+            return scripted_signals.command_failed(moment, state, event)
         case _:
             return operator.obey(moment, state, event)

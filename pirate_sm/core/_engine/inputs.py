@@ -1,17 +1,20 @@
-"""Apply the reports of backends and detectors to the engine's state."""
+"""Apply what comes from outside: reports of backends, detectors, scripts; operators' requests."""
 
 from __future__ import annotations
 
 from math import nan
+from typing import assert_never
 
-from pirate_sm.core._engine.control import sending
-from pirate_sm.core._engine.control.circumstances import Circumstances
-from pirate_sm.core._engine.control.torque_loop import RunningTorqueLoop
-from pirate_sm.core._engine.mission.diverting import meet
+from pirate_sm.core._engine.mission import flow
+from pirate_sm.core._engine.mission.flow import end, lapse_unheard, meet
+from pirate_sm.core._engine.mission.program import Program, SwitchControl
 from pirate_sm.core._engine.moment import Moment
-from pirate_sm.core._engine.resuming import reconnection
-from pirate_sm.core._engine.robot import commands
-from pirate_sm.core._engine.robot.robot_state import RobotState
+from pirate_sm.core._engine.robot import command_outcome, commands, confirmation, setpoint_arrays
+from pirate_sm.core._engine.robot.criteria import StoppedSpec
+from pirate_sm.core._engine.robot.loops import Circumstances, RunningTorqueLoop
+from pirate_sm.core._engine.robot.robot_spec import RobotSpec
+from pirate_sm.core._engine.robot.robot_state import Finished, RobotState
+from pirate_sm.core._engine.safety import start_check
 from pirate_sm.core._engine.safety.faults import (
     STARTS_AGAIN,
     FoundFault,
@@ -21,16 +24,28 @@ from pirate_sm.core._engine.safety.faults import (
 )
 from pirate_sm.core._engine.sensing.conversion import forget_outdated, observe
 from pirate_sm.core._engine.sensing.distance import judge
+from pirate_sm.core._engine.sensing.known_signals import nothing_estimated
 from pirate_sm.core._engine.sensing.traction import measured_outside, rolled, with_traction
-from pirate_sm.core._engine.sensing.traction_memory import nothing_estimated
-from pirate_sm.core._engine.state import EngineState
-from pirate_sm.core._model.effects import Detected
+from pirate_sm.core._engine.state import OUTSIDE, EngineState
+from pirate_sm.core._model.effects import CommandStatus, Detected, Log
 from pirate_sm.core._model.events import (
     EVIDENCE_ENDS,
+    Abort,
+    Answer,
+    CommandFailed,
     DetectorWord,
     FaultReport,
+    GoTo,
+    Observation,
+    OperatorCommand,
     OutsideNumber,
+    Pause,
+    Request,
+    Resume,
     SensorFrame,
+    SignalReport,
+    Skip,
+    Step,
     SubmitResult,
 )
 from pirate_sm.core._model.fault_codes import BuiltInFault
@@ -60,7 +75,7 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
     exhausted: list[FoundFault] = []
     if body.loops:
         seen = Circumstances(sensing.numbers, state.surveyed.reported.pitch_rad, now_s)
-        body = sending.hear(board, body, seen)
+        body = setpoint_arrays.hear(board, body, seen)
         exhausted = _exhausted(moment, state.robot, body)
     words = state.obeyed_words(robot)
     faults, found = look(robot, state.faults, board, sensing, words, now_s)
@@ -126,7 +141,9 @@ def outside_number(moment: Moment, state: EngineState, event: OutsideNumber) -> 
 def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> EngineState:
     """Apply the result of an array; a rejected stop or loop array is a fault."""
     flight = state.robot.flight
-    unconfirmed = sending.why_unconfirmed(moment.robot.link, state.robot, event, moment.now_s)
+    unconfirmed = setpoint_arrays.why_unconfirmed(
+        moment.robot.link, state.robot, event, moment.now_s
+    )
     robot, finished = commands.resolve(moment, state.robot, event)
     state = state.moved(moment.robot, robot)
     state = state.finished(finished)
@@ -152,7 +169,7 @@ def _refused(moment: Moment, state: EngineState, message: str) -> EngineState:
 
 def fault_report(moment: Moment, state: EngineState, event: FaultReport) -> EngineState:
     """Handle a fault that a backend reports; after some faults nothing is known any more."""
-    state = reconnection.lose(moment, state, event.code)
+    state = start_check.doubt_if_lost(moment, state, event.code)
     if event.code not in STARTS_AGAIN:
         return meet(moment, state, FoundFault.reported(moment.robot, event))
     before = state
@@ -163,6 +180,132 @@ def fault_report(moment: Moment, state: EngineState, event: FaultReport) -> Engi
     state = state._replace(faults=faults)
     if moment.nominal or moment.alphabet < EVIDENCE_ENDS:
         return meet(moment, state, FoundFault.reported(moment.robot, event))
-    state = reconnection.doubt(moment, before, state)
+    state = start_check.doubt_all(moment, before, state)
     state = meet(moment, state, FoundFault.reported(moment.robot, event))
-    return reconnection.begin(moment, before, state, event)
+    return start_check.begin_again(moment, before, state, event)
+
+
+def why_not_command(
+    robot: RobotSpec, state: EngineState, index: int, *, at_once: bool = False
+) -> str:
+    """Return why a command of the operator would be refused now; empty if it would be accepted.
+
+    Args:
+        robot: The robot.
+        state: The engine's state.
+        index: The command, as an index into the chart's commands.
+        at_once: Whether it ends a drive that is under way, as in ``OperatorCommand``.
+    """
+    if state.mission.ended or state.mission.ending is not None:
+        return "impossible: the mission is ending"
+    if state.look is not None:
+        return f"impossible: {confirmation.LOOKING}"
+    motion, stops = state.robot.motion, isinstance(robot.commands[index].done, StoppedSpec)
+    if motion is not None and not state.mission.suspended:
+        drives = bool(robot.driven[motion.target])
+        if not (at_once and stops and drives) or motion.place:
+            return "impossible: another command is under way"
+    if state.robot.awaited is not None:
+        return "impossible: setpoints are in flight"
+    return command_outcome.refusal(robot, state.robot, index)
+
+
+def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
+    """Carry out a request of the operator, or emit a warning that says why it is refused."""
+    match request:
+        case OperatorCommand():
+            return _command(moment, state, request)
+        case Observation():
+            moment.emit(Log("info", f"{request.words} (operator)"))
+            return state
+        case Answer() | Skip() if state.mission.paused:
+            answers = isinstance(request, Answer)
+            what = "no answer is taken" if answers else "nothing is passed over"
+            moment.warn(f"{what} while paused")
+            return state
+        case Answer(choice):
+            return state._replace(mission=state.mission._replace(answer=choice))
+        case Skip(trigger):
+            return state._replace(mission=state.mission._replace(skipped=trigger))
+        case Pause():
+            return flow.want_pause(state)
+        case Resume() | Step():
+            return flow.resume(moment, state, one_step=isinstance(request, Step))
+        case GoTo():
+            return flow.go_to(moment, state, request)
+        case Abort(reason):
+            return end(moment, state, "interrupted", reason)
+        case _:
+            assert_never(request)
+
+
+def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> EngineState:
+    """Begin the command or refuse it with a reason; a command suspended by a pause ends."""
+    index = moment.robot.table.command_index.get(event.command)
+    if index is None:
+        reason = "impossible: there is no such command"
+    else:
+        state = lapse_unheard(moment, state)
+        reason = why_not_command(moment.robot, state, index, at_once=event.at_once)
+    if not 0 <= event.share <= 1:
+        reason = reason or "impossible: the speed must be 0 to 100 %"
+    if reason or index is None:
+        moment.emit(CommandStatus(event.command, "refused", reason))
+        return state
+    state = flow.take_over(moment, state)
+    body = state.robot
+    if body.motion is not None:
+        body = commands.fail(moment, body, flow.TAKEN_OVER)
+    body = commands.begin(moment, body, state.sensing, index, None, "", share=event.share)
+    return state._replace(robot=body)
+
+
+def signal_report(moment: Moment, state: EngineState, report: SignalReport) -> EngineState:
+    """Set the signals that conditions see to those of the script; refuse that on real sensors."""
+    if not moment.nominal:
+        moment.warn("a script cannot replace the signals of real sensors")
+        return state
+    names = moment.robot.vocabulary.with_changes.numbers
+    sensing = state.sensing
+    numbers = list(sensing.told or sensing.numbers)
+    if any(name.startswith("change(") for name, _ in report.numbers):
+        numbers += [nan] * (len(names) - len(numbers))
+    for name, value in report.numbers:
+        if name in names:
+            numbers[names.index(name)] = value
+        else:
+            moment.warn(f"the script says '{name}', an unknown signal")
+    for name, word in report.words:
+        if name in OUTSIDE:
+            state = state.hearing(**{name: word})
+        else:
+            moment.warn(f"the script says '{name}', which no script can set")
+    return state._replace(sensing=sensing._replace(told=tuple(numbers)))
+
+
+def command_failed(moment: Moment, state: EngineState, event: CommandFailed) -> EngineState:
+    """Let the command under way fail as by its timeout, unless its array is still in flight.
+
+    A switch of the control fails once its array is accepted, since it is done then on paper.
+    """
+    body = state.robot
+    if moment.nominal and awaits_torques(moment.program, state):
+        mission = state.mission._replace(result=Finished(False, event.reason))
+        return state._replace(mission=mission)
+    if not moment.nominal or body.motion is None or body.awaited is not None:
+        moment.warn("no command is under way that a script could let fail")
+        return state
+    body = commands.fail(moment, body, event.reason)
+    mission = state.mission._replace(result=Finished(False, event.reason))
+    return state._replace(robot=body, mission=mission)
+
+
+def awaits_torques(program: Program, state: EngineState) -> bool:
+    """Whether the mission switches its control and that can fail: a joint shall bear a torque."""
+    mission, body = state.mission, state.robot
+    return (
+        mission.begun
+        and mission.result is None
+        and isinstance(program.instructions[mission.pc], SwitchControl)
+        and any(isinstance(each, RunningTorqueLoop) for each in body.loops)
+    )

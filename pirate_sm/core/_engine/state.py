@@ -5,11 +5,10 @@ from __future__ import annotations
 from math import inf, isnan, nan
 from typing import NamedTuple
 
-from pirate_sm.core._engine.control.loops import Loops
 from pirate_sm.core._engine.mission.program import HandlerSpec
 from pirate_sm.core._engine.records import often_replaced
 from pirate_sm.core._engine.robot.confirmation import Look
-from pirate_sm.core._engine.robot.proofs import Proofs
+from pirate_sm.core._engine.robot.loops import Loops
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     STOPPED,
@@ -19,6 +18,7 @@ from pirate_sm.core._engine.robot.robot_state import (
     obeyed,
     states_of,
 )
+from pirate_sm.core._engine.robot.sensor_verdict import Proofs
 from pirate_sm.core._engine.sensing.environment import Surveyed
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._model.effects import Outcome
@@ -181,7 +181,7 @@ class EngineState(NamedTuple):
         rules: Progress of each safety rule, see :mod:`pirate_sm.core._engine.safety.rules`.
         surveyed: The pipe around the robot.
         lapsed: The running comparison for parts whose sensors were not known; None without any.
-        proofs: What has shown each state and clamp, see :mod:`pirate_sm.core._engine.robot.proofs`.
+        proofs: What has shown each state and clamp, see :mod:`pirate_sm.core._engine.robot.sensor_verdict`.
     """
 
     robot: RobotState

@@ -12,7 +12,7 @@ unknown signal is unknown, unless the other signals decide it.
 from __future__ import annotations
 
 from pirate_sm.core._expressions.compiler import Expression, compile_condition, compile_expression
-from pirate_sm.core._expressions.faults import ExpressionError, ExpressionFault
+from pirate_sm.core._expressions.parser import ExpressionError, ExpressionFault
 from pirate_sm.core._expressions.vocabulary import (
     BOOLEAN,
     BooleanType,

@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from typing import Final, NamedTuple, cast
 
 from pirate_sm.core._expressions import tree
-from pirate_sm.core._expressions.faults import ExpressionError, ExpressionFault, refusal
-from pirate_sm.core._expressions.syntax import (
+from pirate_sm.core._expressions.parser import (
     AnyPart,
     ArithmeticPart,
     CallPart,
     ComparisonPart,
+    ExpressionError,
+    ExpressionFault,
     LogicPart,
     MembershipPart,
     NamePart,
@@ -20,6 +21,7 @@ from pirate_sm.core._expressions.syntax import (
     ParameterPart,
     TruthPart,
     UnaryPart,
+    refusal,
 )
 from pirate_sm.core._expressions.vocabulary import (
     BOOLEAN,

@@ -1,4 +1,6 @@
-"""Parse tokens by recursive descent; the grammar, loosest binding first.
+"""Parse the text of an expression: tokens, then recursive descent; faults have their places.
+
+The grammar, loosest binding first::
 
     condition  = conjunction { "or" conjunction }
     conjunction = negation { "and" negation }
@@ -11,31 +13,270 @@
     operand    = number | "true" | "false" | name | "$" name | "(" condition ")"
                | name "(" condition { "," condition } ")"
 
-In the place of an operand, `in` is a word and not the operator: `detector == in`.
+A unit belongs to the number before it. In the place of an operand, `in` is a word and not the
+operator: `detector == in`.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Final, NoReturn
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Final, Literal, NamedTuple, NoReturn, TypeAlias
 
-from pirate_sm.core._expressions.faults import ExpressionError, refusal
-from pirate_sm.core._expressions.lexer import Token, tokenize, translated
-from pirate_sm.core._expressions.syntax import (
-    AnyPart,
-    ArithmeticPart,
-    CallPart,
-    ComparisonPart,
-    LogicPart,
-    MembershipPart,
-    NamePart,
-    NumberPart,
-    ParameterPart,
-    TruthPart,
-    UnaryPart,
-)
-from pirate_sm.core._expressions.vocabulary import FUNCTIONS
+from pirate_sm.core._expressions.vocabulary import FUNCTIONS, KEYWORDS
+from pirate_sm.core.errors import UsageError
 from pirate_sm.core.spelling import nearest, one_of
+from pirate_sm.core.units import UNITS, Quantity, QuantityError, nearest_unit, parse_quantity
+
+
+@dataclass(frozen=True, slots=True)
+class ExpressionFault:
+    """One fault in an expression.
+
+    Attributes:
+        message: What is wrong, for users.
+        offset: Its position in characters from the start of the expression.
+        suggestion: The text to write instead, with the blanks that it needs; empty if unknown.
+        length: Number of characters that it covers.
+        certain: Whether nothing else than the suggestion can have been meant.
+    """
+
+    message: str
+    offset: int
+    suggestion: str = ""
+    length: int = 1
+    certain: bool = False
+
+
+class ExpressionError(UsageError):
+    """Raised for an invalid expression; holds all its faults."""
+
+    def __init__(self, faults: Iterable[ExpressionFault]) -> None:
+        self.faults = tuple(sorted(faults, key=lambda fault: fault.offset))
+        first = self.faults[0]
+        self.message = first.message
+        self.offset = first.offset
+        self.suggestion = first.suggestion.strip()
+        super().__init__("; ".join(_line(fault) for fault in self.faults))
+
+
+def refusal(message: str, offset: int, suggestion: str = "", length: int = 1) -> ExpressionError:
+    """Return the error for one fault."""
+    return ExpressionError([ExpressionFault(message, offset, suggestion, length)])
+
+
+def _line(fault: ExpressionFault) -> str:
+    hint = f", did you mean '{fault.suggestion.strip()}'?" if fault.suggestion else ""
+    return f"column {fault.offset + 1}: {fault.message}{hint}"
+
+
+LONGEST_TEXT: Final = 1000
+
+TokenKind: TypeAlias = Literal["number", "name", "parameter", "operator", "end"]
+
+
+class Token(NamedTuple):
+    """One token with its place; `quantity` is the value of a number."""
+
+    kind: TokenKind
+    text: str
+    offset: int
+    quantity: Quantity | None = None
+
+
+_BLANKS: Final = re.compile(r"[ \t\r\n]*")
+_NUMBER: Final = re.compile(r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_NAME: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_PARAMETER: Final = re.compile(r"\$[A-Za-z_][A-Za-z0-9_]*")
+_UNIT: Final = re.compile(r"[ \t]*(%|°|[A-Za-z_µ][A-Za-z0-9_]*)(\^-?[0-9])?")
+# Blanks around '/' make it a division by a signal: `speed / 2 s`, but `2 m/s`.
+_UNIT_FACTOR: Final = re.compile(r"[*/·]([A-Za-z]+)(?:\^-?[0-9])?(?![A-Za-z0-9_(])")
+_OPERATOR: Final = re.compile(r"[=!]==?|[<>]=|=[<>]|<>|&&|\|\||:=|\*\*|//|[-+*/<>(),=!&|≤≥≠−×÷]")
+_FOREIGN: Final = {
+    "&&": "and", "&": "and", "||": "or", "|": "or", "!": "not", "=": "==", "===": "==",
+    "!==": "!=", "<>": "!=", "≠": "!=", "=>": ">=", "≥": ">=", "=<": "<=", "≤": "<=",
+    "−": "-", "×": "*", "÷": "/", ":=": "", "**": "", "//": "",
+}  # fmt: skip
+"""Operators of other languages, with what they mean; empty if there is no such thing here."""
+
+
+def translated(text: str) -> str:
+    """Return a text with the operators of other languages replaced by those that they mean."""
+    return _OPERATOR.sub(lambda found: _meant(found) or found[0], text)
+
+
+def tokenize(text: str) -> list[Token]:
+    """Return the tokens of an expression, ended by one of kind `end`.
+
+    Raises:
+        ExpressionError: The text contains an invalid character, number or unit.
+    """
+    if len(text) > LONGEST_TEXT:
+        message = f"the expression is longer than {LONGEST_TEXT} characters"
+        raise refusal(message, LONGEST_TEXT)
+    tokens: list[Token] = []
+    position = _skip_blanks(text, 0)
+    while position < len(text):
+        token = _next_token(text, position)
+        tokens.append(token)
+        position = _skip_blanks(text, position + len(token.text))
+    tokens.append(Token("end", "", len(text.rstrip())))
+    return tokens
+
+
+def _skip_blanks(text: str, position: int) -> int:
+    match = _BLANKS.match(text, position)
+    return match.end() if match else position
+
+
+def _next_token(text: str, position: int) -> Token:
+    if _NUMBER.match(text, position):
+        return _number(text, position)
+    if match := _NAME.match(text, position):
+        return Token("name", match[0], position)
+    if match := _PARAMETER.match(text, position):
+        return Token("parameter", match[0], position)
+    operator = _OPERATOR.match(text, position)
+    if operator and operator[0] not in _FOREIGN:
+        return Token("operator", operator[0], position)
+    if operator:
+        _refuse(operator[0], position, _meant(operator))
+    _refuse(text[position], position)
+
+
+def _refuse(found: str, position: int, suggestion: str = "") -> NoReturn:
+    if found in "'\"":
+        raise refusal("words stand without quotes here", position)
+    if found == "$":
+        raise refusal("a '$' needs the name of a parameter after it", position)
+    message = f"{found!r} is not part of the language of conditions"
+    certain = suggestion != "" and found != "="  # which may lack a "<" or ">"
+    raise ExpressionError([ExpressionFault(message, position, suggestion, len(found), certain)])
+
+
+def _meant(found: re.Match[str]) -> str:
+    """Return what an operator means here, a word with blanks between it and its neighbours."""
+    meant, text = _FOREIGN.get(found[0], found[0]), found.string
+    if not meant.isalpha():
+        return meant
+    before = text[found.start() - 1 : found.start()].strip(" \t\r\n(")
+    after = text[found.end() : found.end() + 1].strip()
+    return f"{' ' if before else ''}{meant}{' ' if after else ''}"
+
+
+def _number(text: str, position: int) -> Token:
+    """Return the number that begins at `position` with its unit, in SI."""
+    number = _NUMBER.match(text, position)
+    assert number is not None
+    end = number.end()
+    unit = _UNIT.match(text, end)
+    if unit is not None and unit[1] not in KEYWORDS:
+        if unit[1] not in UNITS:
+            message = f"unknown unit '{unit[1]}' after {number[0]}"
+            raise refusal(message, unit.start(1), nearest_unit(unit[1]), len(unit[1]))
+        end = unit.end()
+        while (factor := _UNIT_FACTOR.match(text, end)) and factor[1] in UNITS:
+            end = factor.end()
+    written = text[position:end]
+    try:
+        return Token("number", written, position, parse_quantity(written))
+    except QuantityError as error:
+        raise refusal(error.message, position, error.suggestion, len(written)) from None
+
+
+@dataclass(frozen=True, slots=True)
+class SyntaxPart:
+    """Any part of an expression, with the place of its first or its governing token."""
+
+    offset: int
+    length: int
+
+
+@dataclass(frozen=True, slots=True)
+class NumberPart(SyntaxPart):
+    """A number with or without a unit, as written and in SI."""
+
+    text: str
+    quantity: Quantity
+
+
+@dataclass(frozen=True, slots=True)
+class TruthPart(SyntaxPart):
+    """The constant `true` or `false`."""
+
+    value: bool
+
+
+@dataclass(frozen=True, slots=True)
+class NamePart(SyntaxPart):
+    """A signal, a state machine or a word; the analysis decides which."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterPart(SyntaxPart):
+    """A parameter, `$name`."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class UnaryPart(SyntaxPart):
+    """A negation, `-x` or `not x`."""
+
+    operator: str
+    operand: AnyPart
+
+
+@dataclass(frozen=True, slots=True)
+class ArithmeticPart(SyntaxPart):
+    """A sum, difference, product or quotient."""
+
+    operator: str
+    left: AnyPart
+    right: AnyPart
+
+
+@dataclass(frozen=True, slots=True)
+class ComparisonPart(SyntaxPart):
+    """A chain `first op second op third …`, which is true if every neighbouring pair is."""
+
+    first: AnyPart
+    rest: tuple[tuple[str, int, AnyPart], ...]  # operator, its offset, what follows
+
+
+@dataclass(frozen=True, slots=True)
+class MembershipPart(SyntaxPart):
+    """A membership test, `x in (a, b)` or `x not in (a, b)`."""
+
+    operand: AnyPart
+    items: tuple[AnyPart, ...]
+    negated: bool
+
+
+@dataclass(frozen=True, slots=True)
+class LogicPart(SyntaxPart):
+    """A conjunction or disjunction, `a and b and …` or `a or b or …`."""
+
+    operator: str
+    parts: tuple[AnyPart, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class CallPart(SyntaxPart):
+    """A function with its arguments."""
+
+    function: str
+    arguments: tuple[AnyPart, ...]
+
+
+OperationPart: TypeAlias = (
+    UnaryPart | ArithmeticPart | ComparisonPart | MembershipPart | LogicPart | CallPart
+)
+AnyPart: TypeAlias = NumberPart | TruthPart | NamePart | ParameterPart | OperationPart
+
 
 DEEPEST_NESTING: Final = 32
 

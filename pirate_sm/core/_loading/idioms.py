@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from pirate_sm.core._expressions.faults import ExpressionFault
+from pirate_sm.core._expressions.parser import ExpressionFault
 from pirate_sm.core.spelling import nearest
 
 _KEYS: Final = {

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import degrees, pi, radians
 from pathlib import Path
 
-from pirate_sm.core._geometry.clamping import height_m
+from pirate_sm.core._geometry.chain import height_m
 from pirate_sm.core._loading.file_kinds import FileKind, refuse_other
 from pirate_sm.core._loading.pipe_shape import check_pipe, check_section, mm, part_of
 from pirate_sm.core._loading.problems import Path as At

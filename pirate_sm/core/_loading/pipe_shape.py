@@ -6,10 +6,8 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import floor
 
-from pirate_sm.core._geometry.clearance import crossings
-from pirate_sm.core._geometry.network import Network, NetworkRun
-from pirate_sm.core._geometry.piece import Piece
-from pirate_sm.core._geometry.placement import place
+from pirate_sm.core._geometry.network import Network, NetworkRun, Piece
+from pirate_sm.core._geometry.placement import crossings, place
 from pirate_sm.core._geometry.plane import crossing
 from pirate_sm.core._geometry.route import Route
 from pirate_sm.core._loading.pipe_junctions import check_junctions

@@ -10,9 +10,8 @@ from typing import Annotated, Literal, NamedTuple, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from pirate_sm.core._geometry import network as space
-from pirate_sm.core._geometry.joints import RouteJoint
-from pirate_sm.core._geometry.piece import Piece
-from pirate_sm.core._geometry.route import Route
+from pirate_sm.core._geometry.network import Piece
+from pirate_sm.core._geometry.route import Route, RouteJoint
 from pirate_sm.core._geometry.space import Vector
 from pirate_sm.core._model.base import Format, Frozen, Name
 from pirate_sm.core._model.pipe_runs import (

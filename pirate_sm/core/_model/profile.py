@@ -10,7 +10,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
-from pirate_sm.core._geometry.joints import JointOrEnd
+from pirate_sm.core._geometry.route import JointOrEnd
 from pirate_sm.core._model.actuation import PostureCase, Stages
 from pirate_sm.core._model.base import OR_ONE, Condition, FaultCode, Format, Frozen, Name
 from pirate_sm.core._model.body import Body

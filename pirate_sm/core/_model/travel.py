@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from pirate_sm.core._geometry.joints import JointKind
+from pirate_sm.core._geometry.route import JointKind
 from pirate_sm.core._geometry.space import Frame, Vector, dot
 from pirate_sm.core._model.base import Frozen
 from pirate_sm.core._model.quantities import Angle

@@ -14,7 +14,7 @@ from pirate_sm.simulation.machine_code import compiled, compiled_module
 # --- conditions ----------------------------------------------------------------------------------
 
 
-# The instructions, as in `core/_expressions/bytecode.py`: numbers, which numba takes as constants.
+# The instructions, as in `core/_expressions/compiler.py`: numbers, which numba takes as constants.
 CONSTANT, NUMBER, NEGATE, ABSOLUTE, KNOWN, NOT, ADD, SUBTRACT, MULTIPLY, DIVIDE = range(10)
 EQUAL, DIFFERENT, LESS, AT_MOST, GREATER, AT_LEAST, LEAST, GREATEST, ALL, ANY = range(10, 20)
 
@@ -199,7 +199,7 @@ def holds_as_before(
 def asks_the_same(duties: Floats, numbers: Floats, loss: float) -> bool:
     """Return whether every position loop gives the duty that was sent last.
 
-    See ``RunningPositionLoop`` in ``core/_engine/control/position_loop.py``.
+    See ``RunningPositionLoop`` in ``core/_engine/robot/loops.py``.
     """
     for p in range(duties.shape[0]):
         error = duties[p, col.P_TARGET] - numbers[int(duties[p, col.P_ANGLE])]

@@ -17,7 +17,7 @@ def test_what_runs_in_another_process_is_tried_by_the_file_that_mirrors_it() -> 
 def test_a_file_is_tried_by_the_tests_that_mirror_it_and_then_by_those_next_to_them() -> None:
     folder = "tests/unit/core/_engine/resuming"
 
-    mirror, next_to_it, _ = nearby("pirate_sm/core/_engine/resuming/entry.py")
+    mirror, next_to_it, _ = nearby("pirate_sm/core/_engine/resuming/resumption.py")
 
     assert (mirror, next_to_it) == ([f"{folder}/test_entry.py"], [folder])
     assert nearby("pirate_sm/core/_engine/resuming/no_test.py")[0] == [folder]
@@ -40,7 +40,7 @@ def test_a_file_is_tried_last_by_the_tests_in_the_folders_above() -> None:
 
 
 def test_another_seed_makes_other_mutants_of_the_same_files() -> None:
-    packages = {"some": ("pirate_sm/core/_engine/resuming", "pirate_sm/core/_geometry/joints.py")}
+    packages = {"some": ("pirate_sm/core/_engine/resuming", "pirate_sm/core/_geometry/route.py")}
 
     one, again, other = (sample(packages, 12, seed, None)["some"] for seed in (1, 1, 2))
 

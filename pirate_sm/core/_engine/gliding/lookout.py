@@ -2,26 +2,203 @@
 
 Each condition here stands for a part of :meth:`pirate_sm.core._engine.engine.Engine.step` that
 would do something if it changed. Where a part has no such condition, nothing is watched, and every
-frame goes through the engine.
+frame goes through the engine. Conditions of a robot and of its mission become code, each compiled
+once for the words that it meets.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import lru_cache
 from math import inf, isnan, nan
 
-from pirate_sm.core._engine.control.position_loop import RunningPositionLoop
-from pirate_sm.core._engine.gliding.command_watch import command_conditions, same_duties
-from pirate_sm.core._engine.gliding.conditions import codes_of
-from pirate_sm.core._engine.gliding.watch import Condition, Watch
+from pirate_sm.core._engine.consequences import deadline_s, listening_s
+from pirate_sm.core._engine.gliding.quiet_frames import Condition, SameDuty, Watch
 from pirate_sm.core._engine.mission.program import Do, Program, Question, SwitchControl, Wait
 from pirate_sm.core._engine.moment import Moment
+from pirate_sm.core._engine.records import Numbers
+from pirate_sm.core._engine.robot.criteria import CriterionSpec, ReachedSpec
+from pirate_sm.core._engine.robot.done import (
+    Bound,
+    arrived,
+    criterion_tree,
+    posture_bounds,
+    why_not_clamped,
+)
+from pirate_sm.core._engine.robot.loops import RunningPositionLoop
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.robot.robot_state import RobotState
-from pirate_sm.core._engine.sensing.environment import Surveyed, announced, held_parts
-from pirate_sm.core._engine.sensing.joint_around import joint_around
+from pirate_sm.core._engine.robot.robot_state import (
+    POSTURE,
+    Motion,
+    RobotState,
+    criteria_of,
+    posture_of,
+)
+from pirate_sm.core._engine.sensing.environment import Surveyed, announced, held_parts, joint_around
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._engine.state import EngineState, MissionState
-from pirate_sm.core._engine.waking import deadline_s, listening_s
+from pirate_sm.core._expressions import Expression, tree
+from pirate_sm.core._expressions.compiler import Code, code_of, never_true, words_in
+
+Words = Sequence[str | None]
+
+ANY_BOARD = -1
+"""Instead of boards: every one."""
+
+
+@lru_cache(maxsize=16)
+def codes_of(robot: RobotSpec) -> Codes:
+    """Return the codes of a robot, which all engines that run it share."""
+    return Codes(robot)
+
+
+class Codes:
+    """Compiles the fault rules of a robot and the triggers of its missions.
+
+    Args:
+        robot: The robot.
+    """
+
+    def __init__(self, robot: RobotSpec) -> None:
+        self._robot = robot
+        self._known: dict[tuple[int, Words], Code] = {}
+        self._read: dict[int, tuple[Expression, tuple[int, ...]]] = {}
+        self._rules: dict[tuple[Words, Sequence[bool]], tuple[Condition, ...]] = {}
+        trees = [rule.when.tree for rule in robot.faults]
+        self._tested = sorted({index for tree in trees for index in words_in(tree)})
+        self._boards = [0] * len(robot.faults)
+        for board in robot.boards.values():
+            for rule in board.faults:
+                self._boards[rule] |= 1 << board.position
+
+    def rules(self, words: Words, holding: Sequence[bool]) -> tuple[Condition, ...]:
+        """Return the fault rules as conditions, without those that cannot become true.
+
+        Args:
+            words: What the signals with words are.
+            holding: Per rule whether it is true.
+        """
+        key = tuple([words[index] for index in self._tested]), tuple(holding)
+        found = self._rules.get(key)
+        if found is None:
+            pairs = zip(self._robot.faults, holding, self._boards, strict=True)
+            rows = [self._condition(rule.when, words, holds, of) for rule, holds, of in pairs]
+            found = self._rules[key] = tuple(each for row in rows for each in row)
+        return found
+
+    def trigger(self, condition: Expression, words: Words, holds: bool) -> tuple[Condition, ...]:
+        """Return the condition of a trigger; nothing if it cannot become true."""
+        return self._condition(condition, words, holds, ANY_BOARD)
+
+    def _condition(
+        self, expression: Expression, words: Words, holds: bool, boards: int
+    ) -> tuple[Condition, ...]:
+        code = self._code(expression, words)
+        return () if not holds and never_true(code) else (Condition(code, holds, boards),)
+
+    def _code(self, expression: Expression, words: Words) -> Code:
+        own = id(expression)
+        if own not in self._read:  # the expression is kept with it, so that its id stays its own
+            self._read[own] = expression, words_in(expression.tree)
+        seen = tuple([words[index] for index in self._read[own][1]])
+        code = self._known.get((own, seen))
+        if code is None:
+            code = self._known[own, seen] = code_of(expression.tree, words)
+        return code
+
+
+def command_conditions(
+    robot: RobotSpec, body: RobotState, raised: frozenset[int]
+) -> list[Condition] | None:
+    """Return the conditions under which the command under way neither ends nor goes on.
+
+    Args:
+        robot: The robot.
+        body: Its commanded state.
+        raised: Fault rules that are raised.
+
+    Returns:
+        The conditions; None where every frame must go through the engine.
+    """
+    motion = body.motion
+    if motion is None or isnan(motion.accepted_s):
+        return []
+    if motion.blind or (motion.levelling is not None and motion.stage != POSTURE):
+        return None
+    denied = robot.denied_by(raised)
+    criteria, seekers = criteria_of(robot, motion), body.seekers
+    if denied and why_not_clamped(body, motion, denied):
+        resting = all(isnan(since_s) for _, since_s in criteria)
+        return _followed(robot, body, motion) if resting else None
+    there = posture_bounds(robot, body, motion)
+    found = _followed(robot, body, motion)
+    for done, since_s in criteria:
+        holds = not isnan(since_s)
+        found.append(Condition(_done(done, body.values, seekers, there), holds, ANY_BOARD))
+        if holds and isinstance(done, ReachedSpec):  # it need not last once every joint is there
+            found.append(
+                _condition(tree.And(tuple(arrived(each).condition for each in seekers)), False)
+            )
+    return found
+
+
+def same_duties(robot: RobotSpec, body: RobotState) -> tuple[SameDuty, ...]:
+    """Return the loops whose duties would be sent if they changed.
+
+    While an array is awaited, or while no command runs that has been accepted, none is sent.
+    """
+    motion = body.motion
+    if motion is None or isnan(motion.accepted_s) or body.awaited is not None:
+        return ()
+    return tuple(
+        SameDuty(
+            loop.angle,
+            loop.target_rad,
+            loop.spec.threshold_rad,
+            loop.spec.gain,
+            loop.spec.least_duty,
+            loop.spec.limit,
+            robot.slots[loop.slot].resolution,
+            body.latest[loop.slot],
+        )
+        for loop in body.seekers
+    )
+
+
+@lru_cache(maxsize=4096, typed=True)  # criteria of two kinds can be equal as tuples
+def _done(
+    done: CriterionSpec,
+    setpoints: Numbers,
+    seekers: tuple[RunningPositionLoop, ...],
+    there: tuple[Bound, ...],
+) -> Code:
+    """Return the code of a criterion; in a posture every joint must be at its angle too."""
+    parts = (criterion_tree(done, setpoints, seekers), *(each.condition for each in there))
+    return code_of(tree.And(parts))
+
+
+def _followed(robot: RobotSpec, body: RobotState, motion: Motion) -> list[Condition]:
+    """Return that no loop of a posture takes another share of a joint's angle."""
+    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
+    if posture is None:
+        return []
+    loops = {loop.slot: loop for loop in body.loops if isinstance(loop, RunningPositionLoop)}
+    return [
+        _condition(_has_moved(loops[write.slot], write.share_of, write.value), False)
+        for write in posture.writes
+        if write.share_of >= 0 and write.slot in loops
+    ]
+
+
+def _has_moved(loop: RunningPositionLoop, share_of: int, value: float) -> tree.Node:
+    """Return whether the loop would be begun anew for an angle that is a share of another."""
+    target = tree.Arithmetic("*", tree.Number(value), tree.Signal("", "number", share_of))
+    off = tree.Arithmetic("-", target, tree.Number(loop.target_rad))
+    return tree.Compare(">", tree.Call("abs", (off,)), tree.Number(loop.spec.threshold_rad))
+
+
+def _condition(node: tree.Node, holds: bool) -> Condition:
+    return Condition(code_of(node), holds, ANY_BOARD)
 
 
 class Lookout:

@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from typing import assert_never
 
-from pirate_sm.core._engine.control.stages import unsettled
-from pirate_sm.core._engine.deadlines import has_come
-from pirate_sm.core._engine.mission import pausing
-from pirate_sm.core._engine.mission.claims import met_unknown, with_measured
-from pirate_sm.core._engine.mission.diverting import lapse_unheard
-from pirate_sm.core._engine.mission.ending import end, end_by_fault
-from pirate_sm.core._engine.mission.going_on import fail, go
+from pirate_sm.core._engine.mission import flow
+from pirate_sm.core._engine.mission.flow import end, end_by_fault, fail, go, lapse_unheard
 from pirate_sm.core._engine.mission.program import (
     Branch,
     Do,
@@ -25,10 +20,11 @@ from pirate_sm.core._engine.mission.program import (
     SwitchControl,
     Wait,
 )
-from pirate_sm.core._engine.mission.waiting import question, wait
-from pirate_sm.core._engine.moment import Moment
+from pirate_sm.core._engine.mission.waiting import met_unknown, question, wait, with_measured
+from pirate_sm.core._engine.moment import Moment, has_come
 from pirate_sm.core._engine.robot import command_outcome, commands, confirmation, robot_state
 from pirate_sm.core._engine.robot.robot_state import RobotState
+from pirate_sm.core._engine.robot.setpoint_arrays import unsettled
 from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.state import EngineState, MissionState
 from pirate_sm.core._model.effects import CommandStatus, Log, PhaseChange
@@ -152,7 +148,7 @@ def _awaiting_sight(moment: Moment, state: EngineState) -> EngineState | None:
     if mission.since:
         return None
     mission = mission._replace(since=(mission.clock(moment.now_s),))
-    return pausing.until_seen(moment, state._replace(mission=mission))
+    return flow.pause_until_seen(moment, state._replace(mission=mission))
 
 
 def _awaited(moment: Moment, state: EngineState, it: Do, name: str) -> EngineState:

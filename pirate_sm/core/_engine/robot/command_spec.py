@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from math import nan
 from typing import Literal, NamedTuple, TypeAlias
 
-from pirate_sm.core._engine.evidence import Source
-from pirate_sm.core._engine.robot.criteria import AcceptedSpec, CriterionSpec
+from pirate_sm.core._engine.robot.criteria import AcceptedSpec, CriterionSpec, Source
 from pirate_sm.core._expressions import Expression
 
 

@@ -12,27 +12,21 @@ from math import isnan, nan
 from types import MappingProxyType
 from typing import Literal
 
-from pirate_sm.core._engine.control.loops import Loops, ends_with_command
-from pirate_sm.core._engine.control.sending import overtaken_result, send, send_if_new
-from pirate_sm.core._engine.control.stages import (
-    followed,
-    is_done,
-    looped_values,
-    pushed_harder,
-    stage_array,
-    stage_origin,
-    switched_array,
-    unknown_angle,
-    unmoved_loops,
-    without_loops,
-)
-from pirate_sm.core._engine.deadlines import has_come
-from pirate_sm.core._engine.moment import Moment
+from pirate_sm.core._engine.moment import Moment, has_come
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot import confirmation, levelling
 from pirate_sm.core._engine.robot.command_outcome import doubt_grip, marks_after, touched
 from pirate_sm.core._engine.robot.criteria import AcceptedSpec, AlignedSpec
-from pirate_sm.core._engine.robot.done import holds, in_words, must_hold_s
+from pirate_sm.core._engine.robot.done import (
+    holds,
+    in_words,
+    must_hold_s,
+    unmet_conditions,
+    why_late,
+    why_not_clamped,
+    why_unmoved,
+)
+from pirate_sm.core._engine.robot.loops import Loops, ends_with_command
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DENIED,
@@ -49,11 +43,20 @@ from pirate_sm.core._engine.robot.robot_state import (
     safe_values,
     state_change,
 )
-from pirate_sm.core._engine.robot.unmet_conditions import (
-    unmet_conditions,
-    why_late,
-    why_not_clamped,
-    why_unmoved,
+from pirate_sm.core._engine.robot.setpoint_arrays import (
+    followed,
+    is_done,
+    looped_values,
+    overtaken_result,
+    pushed_harder,
+    send,
+    send_if_new,
+    stage_array,
+    stage_origin,
+    switched_array,
+    unknown_angle,
+    unmoved_loops,
+    without_loops,
 )
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._model.effects import CommandStatus, Log

@@ -13,10 +13,9 @@ from functools import lru_cache
 from math import inf, isnan, nan
 from typing import NamedTuple
 
-from pirate_sm.core._engine.deadlines import has_come
+from pirate_sm.core._engine.moment import has_come
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.robot.confirmation_spec import DrivenSpec, StandingSpec
-from pirate_sm.core._engine.robot.criteria import AcceptedSpec
+from pirate_sm.core._engine.robot.criteria import AcceptedSpec, DrivenSpec, StandingSpec
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DECLARED,

@@ -16,9 +16,9 @@ from collections.abc import Sequence
 from math import atan2, degrees, hypot, isnan, nan, pi, remainder, tan
 from typing import NamedTuple
 
-from pirate_sm.core._engine.control.loops import quantised
-from pirate_sm.core._engine.deadlines import has_come
+from pirate_sm.core._engine.moment import has_come
 from pirate_sm.core._engine.robot.criteria import AlignedSpec
+from pirate_sm.core._engine.robot.loops import quantised
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import Levelling, RobotState, confirmed_parts
 from pirate_sm.core._engine.sensing.environment import in_pipe, is_gravity

@@ -6,13 +6,11 @@ from functools import lru_cache
 from math import inf, isnan, nan
 from typing import Literal, NamedTuple
 
-from pirate_sm.core._engine.control.loops import Loops
-from pirate_sm.core._engine.control.position_loop import RunningPositionLoop
 from pirate_sm.core._engine.records import Numbers, often_replaced
-from pirate_sm.core._engine.robot.chart_table import Configuration
 from pirate_sm.core._engine.robot.command_spec import PostureSpec, StageSpec
 from pirate_sm.core._engine.robot.criteria import CriterionSpec, settled_of
-from pirate_sm.core._engine.robot.robot_spec import RobotSpec
+from pirate_sm.core._engine.robot.loops import Loops, RunningPositionLoop
+from pirate_sm.core._engine.robot.robot_spec import Configuration, RobotSpec
 from pirate_sm.core._geometry.space import Vector
 from pirate_sm.core._model.effects import StateChange
 

@@ -1,4 +1,4 @@
-"""Specifications of the boards' frames and of the link's timing."""
+"""What boards report: frames, limits of their sensors, signals of traction, timing of the link."""
 
 from __future__ import annotations
 
@@ -8,7 +8,109 @@ from functools import cached_property
 from math import inf, nan
 from typing import Literal, NamedTuple
 
-from pirate_sm.core._engine.sensing.plausibility_spec import WatchedSpec
+from pirate_sm.core._model.events import FaultReport
+from pirate_sm.core._model.fault_codes import BuiltInFault
+
+
+class WatchSpec(NamedTuple):
+    """Limits of a sensor that measures a motor, in SI units.
+
+    Attributes:
+        number: Index of its number.
+        name: Name for messages.
+        numbers: Indexes of the numbers that depend on it, including its own.
+        low: Smallest possible value; ``high``: the largest.
+        rate: Fastest change per second but for the unwinding of its spring; ``slack`` is allowed
+            in addition.
+        moved: Smallest change that counts as motion; infinite if it measures no motion.
+        slot: Index of the setpoint of its motor.
+        joint: Whether it is the angle of a joint, which cannot restart as a counter can.
+        least_duty: Below this duty the motor may stand still although driven.
+        load: Index of the current of the same motor; -1 if it is not measured.
+        full_load: That current when the motor stalls at full duty.
+        torque: Index of the torque of the spring behind the motor; -1 if it is not measured.
+        stiffness: Stiffness of that spring, per unit of the angle; ``spring`` is the share by which
+            it may differ.
+        winds: Torque to which the motor can wind it up.
+        unit: Unit for messages; ``per_unit`` is its SI value.
+        of: The joint or wheel of the motor.
+    """
+
+    number: int
+    name: str
+    numbers: tuple[int, ...]
+    low: float = -inf
+    high: float = inf
+    rate: float = inf
+    slack: float = 0.0
+    moved: float = inf
+    slot: int = -1
+    joint: bool = False
+    least_duty: float = inf
+    load: int = -1
+    full_load: float = 0.0
+    torque: int = -1
+    stiffness: float = inf
+    spring: float = 0.0
+    winds: float = inf
+    unit: str = ""
+    per_unit: float = 1.0
+    of: str = ""
+
+    def report(self, fault: BuiltInFault, message: str) -> FaultReport:
+        """Return a report of a fault of this sensor."""
+        return fault.report(message, of=(self.of,) if self.of else ())
+
+    @property
+    def can_be(self) -> tuple[BuiltInFault, ...]:
+        """Return the faults that this sensor can have, but for silence."""
+        has = {
+            BuiltInFault.SENSOR_RANGE: self.high < inf,
+            BuiltInFault.SENSOR_SPIKING: self.high < inf or self.rate < inf,
+            BuiltInFault.SENSOR_JUMPED: self.joint,
+            BuiltInFault.SENSOR_STUCK: self.moved < inf and self.load >= 0,
+            BuiltInFault.MOTION_UNASKED: self.moved < inf,
+        }
+        return tuple(fault for fault, can in has.items() if can)
+
+    def in_words(self, value: float) -> str:
+        """Return the value in its unit for messages."""
+        return f"{value / self.per_unit:.3g} {self.unit}".strip()
+
+
+@dataclass(frozen=True)
+class WatchedSpec:
+    """The watched sensors of one board, with lookup tables for every frame."""
+
+    sensors: tuple[WatchSpec, ...] = ()
+
+    @cached_property
+    def ranges(self) -> tuple[tuple[int, float, float], ...]:
+        """Return number index, smallest and largest value of the sensors with a range."""
+        return tuple((w.number, w.low, w.high) for w in self.sensors if w.high < inf)
+
+    @cached_property
+    def rates(self) -> tuple[tuple[int, float, float], ...]:
+        """Return number index, fastest change per second and slack of the sensors with a rate."""
+        return tuple((w.number, w.rate, w.slack) for w in self.sensors if w.rate < inf)
+
+    @cached_property
+    def moving(self) -> tuple[int, ...]:
+        """Return the places of the sensors that measure a motion."""
+        return tuple(place for place, watch in enumerate(self.sensors) if watch.moved < inf)
+
+
+class PlausibilitySpec(NamedTuple):
+    """Thresholds of all sensors; as in :class:`pirate_sm.core._model.plausibility.Plausibility`."""
+
+    hold_back: int
+    spikes: int
+    spikes_within_s: float
+    stuck_after_s: float
+    unloaded: float
+    settle_s: float
+    moved_readings: int
+    repeats_s: float
 
 
 class WheelSpec(NamedTuple):
@@ -137,3 +239,89 @@ class LinkSpec:
     def listen_every_s(self) -> float:
         """Return the interval of the checks for silent boards and stale signals."""
         return min(self.stale_after_s, self.silent_after_s) / 2
+
+
+class WheelTraction(NamedTuple):
+    """The signals of one wheel; a number index is -1 where the robot has no such signal.
+
+    Attributes:
+        place: Index of the wheel.
+        board: Position of the board that reports the wheel.
+        slot: Index of its slot.
+        speed: Number index of its angular speed.
+        torque: Number index of the torque of its motor.
+        metres_per_rad: How far ahead it rolls.
+        stall_nm: Torque of its motor at full duty when it stands.
+        no_load_rad_s: Speed of its motor at full duty without load.
+        slip_speed: Target, m/s; positive where the rim is faster than the body.
+        slip: Target, slip ratio (thesis eq. 2-1).
+        normal_force: Target, N.
+        friction: Target, coefficient of kinetic friction, estimated online.
+        friction_used: Target, force along the wall over normal force.
+        unknown_below_m_s: Body speed below which the slip ratio is unknown.
+        slip_above_m_s: Slip speed from which on friction is estimated.
+        steady_s: For how long it must have slipped.
+    """
+
+    place: int
+    board: int
+    slot: int
+    speed: int
+    torque: int
+    metres_per_rad: float
+    stall_nm: float
+    no_load_rad_s: float
+    slip_speed: int = -1
+    slip: int = -1
+    normal_force: int = -1
+    friction: int = -1
+    friction_used: int = -1
+    unknown_below_m_s: float = 0.0
+    slip_above_m_s: float = 0.0
+    steady_s: float = 0.0
+
+    @property
+    def targets(self) -> tuple[int, ...]:
+        """Return the number indexes of the wheel's signals."""
+        every = (self.slip_speed, self.slip, self.normal_force, self.friction, self.friction_used)
+        return tuple(index for index in every if index >= 0)
+
+
+class TractionSpec(NamedTuple):
+    """What slip, normal force and friction of a robot are made of.
+
+    Attributes:
+        wheels: Front to rear.
+        board: Position of the board of the last wheel, whose frame ends a round of the boards.
+        joint_torques: Per wheel the number index of its joint's torque; -1 without a joint.
+        mounts: Per wheel the index of the link that its motor sits on.
+        masses_kg: Per wheel its mass, with half of its links.
+        measured: Number index of the body speed that somebody outside measures; -1 without one.
+        averages_s: How long a time that is a mean over.
+        delay_s: By how much a frame may be later than a measurement of the same moment.
+        robot_speed: Target, the body speed with its fall-back; -1 without one.
+        rolling: The wheels that it falls back to.
+        agreeing_m_s: How far the speeds of wheels may differ from their median that agree.
+        least: For each target, the numbers that it is the least known one of.
+    """
+
+    wheels: tuple[WheelTraction, ...]
+    board: int
+    joint_torques: tuple[int, ...]
+    mounts: tuple[int, ...]
+    masses_kg: tuple[float, ...]
+    measured: int = -1
+    averages_s: float = 0.0
+    delay_s: float = 0.0
+    robot_speed: int = -1
+    rolling: tuple[WheelTraction, ...] = ()
+    agreeing_m_s: float = 0.0
+    least: tuple[tuple[int, tuple[int, ...]], ...] = ()
+
+    @property
+    def targets(self) -> tuple[int, ...]:
+        """Return the number indexes of all these signals."""
+        shared = [index for index, _ in self.least]
+        if self.robot_speed >= 0:
+            shared.append(self.robot_speed)
+        return (*shared, *(index for wheel in self.wheels for index in wheel.targets))

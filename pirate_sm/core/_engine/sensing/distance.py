@@ -14,8 +14,7 @@ from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.environment import AGREEING
 from pirate_sm.core._engine.sensing.known_signals import DistanceMemory, Sensing
-from pirate_sm.core._engine.sensing.wheel_belief import Believed, believed
-from pirate_sm.core._engine.sensing.wheel_grip import BALANCED, judge_grip
+from pirate_sm.core._engine.sensing.wheels import BALANCED, Believed, believed, judge_grip
 
 BASE_M = 0.005
 """Reports are late by up to a round of the boards; that makes 4 mm [measured]. Where they are lost

@@ -9,8 +9,9 @@
   is beyond it, and wherever two clamped parts lie along different axes; ``Out`` where every
   clamped part has opened to its end stop, so that there is no wall; ``Straight`` where a part has
   a wall and no bend has been announced.
-
-- *Joint*: see :mod:`pirate_sm.core._engine.sensing.joint_around`.
+- *Joint*: a detector's word announces it, or two clamped parts show a reducer: different diameters
+  although both lie along one axis. A part across a mitre or an elbow shows another diameter too,
+  but its axis is turned.
 
 An unknown value is NaN, an unknown word is empty. A report from outside replaces the derived
 values that it knows for as long as it is valid.
@@ -19,19 +20,122 @@ values that it knows for as long as it is valid.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, hypot, inf, isnan, nan, radians
+from math import atan2, hypot, inf, isnan, nan, pi, radians, remainder
 from statistics import median
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 from pirate_sm.core._engine.records import often_replaced
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import RobotState, confirmed_parts
 from pirate_sm.core._engine.sensing.body_spec import BodySpec
-from pirate_sm.core._engine.sensing.environment_report import NOTHING_AROUND
-from pirate_sm.core._engine.sensing.joint_around import Around, joint_around, step_ahead_m
 from pirate_sm.core._geometry.plane import turned
+from pirate_sm.core._geometry.route import JointOrEnd
 from pirate_sm.core._geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.core._model.effects import Environment
+
+NOTHING_AROUND = Environment("", nan, nan, nan)
+
+NOISE_RAD, NOISE_M, _NOISE_WAY_M = radians(1), 1e-3, 0.1
+"""Smaller changes are not reported."""
+
+
+def merged(derived: Environment, outside: Environment) -> Environment:
+    """Return the report from outside, with what it does not know as it was derived."""
+    known = {
+        name: value
+        for name, value in outside._asdict().items()
+        if (not isnan(value) if isinstance(value, float) else value)
+    }
+    return derived._replace(**known)
+
+
+def differs(old: Environment, new: Environment) -> bool:
+    """Return whether two reports differ by more than noise."""
+    return (
+        (old.segment, old.joint, old.junction, old.run)
+        != (new.segment, new.joint, new.junction, new.run)
+        or _has_moved(old.roll_rad, new.roll_rad, NOISE_RAD, turn=2 * pi)
+        or _has_moved(old.pitch_rad, new.pitch_rad, NOISE_RAD)
+        or _has_moved(old.opening_roll_rad, new.opening_roll_rad, NOISE_RAD, turn=2 * pi)
+        or _has_moved(old.diameter_m, new.diameter_m, NOISE_M)
+        or _has_moved(old.diameter_ahead_m, new.diameter_ahead_m, NOISE_M)
+        or _has_moved(old.distance_m, new.distance_m, _NOISE_WAY_M)
+        or _has_moved(old.arc_m, new.arc_m, _NOISE_WAY_M)
+    )
+
+
+def _has_moved(old: float, new: float, noise: float, turn: float = inf) -> bool:
+    """Return whether a value has changed by more than noise, or became known or unknown."""
+    if isnan(old) or isnan(new):
+        return isnan(old) != isnan(new)
+    return abs(remainder(new - old, turn)) > noise
+
+
+JOINTS: tuple[str, ...] = get_args(JointOrEnd)
+"""The kinds of joints, and the end of the pipe."""
+
+_REDUCER = "reducer"
+
+_ALONG_RAD = radians(2)
+"""Parts whose axes differ by less lie along one axis [decided]."""
+
+STEP = 0.03
+"""Smallest relative difference of two diameters that is a reducer, more than noise [decided]."""
+
+_LOOKS = 3
+"""A reducer counts after it was seen in this number of consecutive surveys [decided]."""
+
+
+class Around(NamedTuple):
+    """What is remembered of the joint around the robot.
+
+    Attributes:
+        announced: The kind that a word has announced; empty without one.
+        stepped: In how many surveys, one after the other, two parts have shown a reducer.
+    """
+
+    announced: str = ""
+    stepped: int = 0
+
+
+def joint_around(
+    robot: RobotSpec, before: Around, word: str | None, in_bend: bool, ahead_m: float
+) -> tuple[Around, str]:
+    """Return what to remember, and the kind of the joint around the robot; empty is unknown.
+
+    Args:
+        robot: The robot.
+        before: What was remembered.
+        word: The detector's valid word, if any.
+        in_bend: Whether a word has announced a joint that is not passed yet.
+        ahead_m: The inner diameter behind a reducer that two parts show; NaN if they show none.
+    """
+    announced = before.announced if in_bend else ""
+    if word is not None and in_bend:
+        announced = robot.words_joint.get(word, announced)
+    stepped = 0 if isnan(ahead_m) else min(before.stepped + 1, _LOOKS)
+    seen = _REDUCER if stepped == _LOOKS else ""
+    return Around(announced, stepped), announced or seen
+
+
+def step_ahead_m(body: BodySpec, parts: Sequence[int], numbers: Sequence[float]) -> float:
+    """Return the diameter at the first part if two parts along one axis differ in it, m; else NaN.
+
+    Args:
+        body: The robot's chain.
+        parts: The clamped parts that have a wall.
+        numbers: Every signal in SI; NaN is unknown.
+    """
+    vees = [body.parts[part] for part in parts]
+    shown = [numbers[vee.diameter] if vee.diameter >= 0 else nan for vee in vees]
+    if len(shown) < 2 or not max(shown) - min(shown) > STEP * max(shown):
+        return nan
+    headings = [body.heading_in_pipe(numbers, part, 0) for part in parts]
+    if not max(headings) - min(headings) <= _ALONG_RAD or any(map(isnan, (*shown, *headings))):
+        return nan
+    foremost = min(range(len(vees)), key=lambda each: vees[each].wheels[0])
+    return shown[foremost]
+
 
 OUT, STRAIGHT, JOINT = SEGMENTS = ("Out", "Straight", "Joint")
 """The names of segments (thesis section 4-3-2)."""

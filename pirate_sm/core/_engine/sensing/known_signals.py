@@ -1,16 +1,135 @@
-"""The known signals of a robot, and their changes since a wait began."""
+"""The known signals of a robot, their changes since a wait began, and what is remembered of them.
+
+Slip is that of a wheel against a speed of the body that was measured over other stretches of time.
+A wheel's speed is a mean between two frames, that of the body a mean over what the source outside
+averages. While the robot starts or stops the two differ without any slip. What is compared are
+therefore the readings that end between two frames of the wheel with the wheel's speeds in all
+the time that those readings are made of: a wheel that rolls has had the body's speed among them.
+Frames come up to a delay after the motion that they report.
+"""
 
 from __future__ import annotations
 
-from math import inf, nan
+from math import inf, isnan, nan
+from statistics import fmean
 from typing import NamedTuple
 
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing import plausibility
-from pirate_sm.core._engine.sensing.sensor_memory import BoardMemory
-from pirate_sm.core._engine.sensing.traction_memory import Traction, nothing_estimated
-from pirate_sm.core._engine.signals.evaluator import UNMOVED
+from pirate_sm.core._engine.sensing.board_spec import TractionSpec
+from pirate_sm.core._engine.sensing.evaluator import UNMOVED
+from pirate_sm.core._engine.sensing.plausibility import BoardMemory
+
+KEPT_S = 1.0
+"""Older stretches are forgotten: boards and sources outside are unknown after less [decided]."""
+
+CHANGING_M_S = 0.010
+"""Rim speeds that differ by more belong to a wheel that starts or stops; as much as wheels may
+differ that agree (design: 10 mm/s)."""
+
+
+class Stretch(NamedTuple):
+    """A mean speed over some time; at one moment, where both times are equal."""
+
+    since_s: float
+    until_s: float
+    m_s: float
+
+
+class Slip(NamedTuple):
+    """How fast a wheel slips.
+
+    Attributes:
+        slip_m_s: Speed of the rim less that of the body; NaN is unknown.
+        body_m_s: The speed of the body that this was made with.
+    """
+
+    slip_m_s: float = nan
+    body_m_s: float = nan
+
+
+def lengthened(
+    stretches: tuple[Stretch, ...], m_s: float, now_s: float, since_s: float = -inf
+) -> tuple[Stretch, ...]:
+    """Return the stretches with one more, which ends now; none after an unknown speed.
+
+    Args:
+        stretches: Oldest first.
+        m_s: The mean speed.
+        now_s: When it was reported.
+        since_s: When it begins; by default where the last one ends.
+    """
+    if isnan(m_s):
+        return ()
+    if since_s == -inf:
+        since_s = stretches[-1].until_s if stretches else now_s
+    kept = tuple([each for each in stretches if each.until_s >= now_s - KEPT_S])
+    return (*kept, Stretch(since_s, now_s, m_s))
+
+
+def slip_between(rims: tuple[Stretch, ...], readings: tuple[Stretch, ...], delay_s: float) -> Slip:
+    """Return how fast a wheel slips.
+
+    While its speed changes slip is the least that explains the difference, and unknown where none
+    is needed.
+
+    Args:
+        rims: The wheel's rim speeds from frame to frame.
+        readings: The speeds of the body, oldest first.
+        delay_s: By how much a frame may be later than a reading of the same moment.
+    """
+    heard = [each for each in readings if rims and each.until_s <= rims[-1].until_s - delay_s]
+    if not heard:
+        return Slip()
+    newest_s = heard[-1].until_s
+    frame = next((each for each in reversed(rims) if each.since_s <= newest_s), rims[0])
+    used = [each for each in heard if each.until_s >= frame.since_s - delay_s] or heard[-1:]
+    since_s, until_s = used[0].since_s, used[-1].until_s + delay_s
+    speeds = [e.m_s for e in rims if e.until_s >= since_s and e.since_s <= until_s] or [frame.m_s]
+    body_m_s, slowest, fastest = fmean([e.m_s for e in used]), min(speeds), max(speeds)
+    if fastest - slowest <= CHANGING_M_S:
+        return Slip(fmean(speeds) - body_m_s, body_m_s)
+    if slowest <= body_m_s <= fastest:
+        return Slip(nan, body_m_s)
+    return Slip((slowest if body_m_s < slowest else fastest) - body_m_s, body_m_s)
+
+
+class Slipping(NamedTuple):
+    """What is remembered of a wheel that slips.
+
+    Attributes:
+        since_s: Since when it slips the way that it is driven; infinite while it does not.
+        seen_s: When it was last seen to do so.
+        force_normal: Sum of force times normal force, N^2.
+        normal_squared: Sum of the squared normal force, N^2.
+    """
+
+    since_s: float = inf
+    seen_s: float = -inf
+    force_normal: float = 0.0
+    normal_squared: float = 0.0
+
+
+class Traction(NamedTuple):
+    """What is remembered of the wheels' traction.
+
+    Attributes:
+        slipping: Per wheel.
+        rims: Per wheel the speeds of its rim lately, from frame to frame.
+        readings: The speeds of the body that were measured outside lately.
+    """
+
+    slipping: tuple[Slipping, ...] = ()
+    rims: tuple[tuple[Stretch, ...], ...] = ()
+    readings: tuple[Stretch, ...] = ()
+
+
+def nothing_estimated(spec: TractionSpec | None) -> Traction:
+    """Return what is known before the first frame."""
+    if spec is None:
+        return Traction()
+    return Traction((Slipping(),) * len(spec.wheels), ((),) * len(spec.wheels))
 
 
 class MotorRequest(NamedTuple):
@@ -95,7 +214,7 @@ class Sensing(NamedTuple):
         asked: What the motors have been asked, which tells what can move.
         loss: Share of the boards' reports that is lost, lately.
         motion: Per sensor of a motion what is remembered to compare it with what was asked, one
-            after the other, see :data:`pirate_sm.core._engine.signals.evaluator.UNMOVED`.
+            after the other, see :data:`pirate_sm.core._engine.sensing.evaluator.UNMOVED`.
         told: Instead of ``numbers``, what a script says that conditions see; empty without one.
             Changes of signals may follow, see :func:`with_changes`.
         traction: What is remembered of the wheels' slip and normal forces.

@@ -16,22 +16,346 @@ Values are in SI units; unknown is NaN. The profile holds the thresholds, in ``p
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import isnan, nan
+from collections.abc import Callable, Sequence
+from math import inf, isnan, nan
+from operator import itemgetter
+from typing import NamedTuple, TypeAlias
 
-from pirate_sm.core._engine.sensing.motion_plausibility import (
-    NOTHING_COMPARED,
-    MotionRows,
-    after_motion,
-)
-from pirate_sm.core._engine.sensing.plausibility_spec import (
-    PlausibilitySpec,
-    WatchedSpec,
-    WatchSpec,
-)
-from pirate_sm.core._engine.sensing.sensor_memory import BoardMemory, Reading, SensorMemory
-from pirate_sm.core._engine.sensing.value_plausibility import torque, weigh, weigh_jumped
+from pirate_sm.core._engine.records import often_replaced
+from pirate_sm.core._engine.sensing.board_spec import PlausibilitySpec, WatchedSpec, WatchSpec
+from pirate_sm.core._engine.sensing.evaluator import JUST_MOVED
 from pirate_sm.core._model.events import FaultReport
+from pirate_sm.core._model.fault_codes import BuiltInFault
+
+Numbers = Sequence[float]
+
+
+class SensorMemory(NamedTuple):
+    """The memory of one sensor; it does not change while its readings are normal.
+
+    Attributes:
+        calm: Whether the last reading was believed and none of ``good`` to ``jumped`` but
+            ``since_s`` is in use.
+        good: The last believed value; ``good_s``: its time; ``seen``: the readings until then.
+        wound: The torque of the joint's spring at ``good_s``; NaN if it is unknown.
+        held: The last readings since then that were not believed; the first and the last one of a
+            joint that has jumped.
+        since_s: When its values began to be believed again, after a jump or as a counter that has
+            restarted. While it is not believed after a jump: since when its readings have followed
+            one another, if that can restore belief; else infinite.
+        running: Direction of a trend faster than the motor; 0 without one.
+        outside: Whether it was reported as outside its range; ``jumped``: as having jumped.
+        stuck: The value at which it is stuck; NaN if it is not.
+        hidden: Number of spikes so far; ``spikes``: the times of the last ones.
+        spiking_s: When it was last reported as spiking.
+    """
+
+    calm: bool = True
+    good: float = nan
+    good_s: float = -inf
+    wound: float = nan
+    seen: int = 0
+    held: tuple[float, ...] = ()
+    since_s: float = -inf
+    running: float = 0.0
+    outside: bool = False
+    jumped: bool = False
+    stuck: float = nan
+    hidden: int = 0
+    spikes: tuple[float, ...] = ()
+    spiking_s: float = -inf
+
+    @property
+    def doubted(self) -> bool:
+        """Return whether the last reading is not believed."""
+        return bool(self.held) or self.jumped or not isnan(self.stuck)
+
+
+@often_replaced
+class BoardMemory(NamedTuple):
+    """The memory of the sensors of one board.
+
+    Attributes:
+        seen: Number of readings, counted up to a limit.
+        special: Whether a sensor is not calm.
+        doubted: Number indexes that depend on a sensor whose last reading is not believed.
+    """
+
+    channels: tuple[SensorMemory, ...]
+    seen: int = 0
+    special: bool = False
+    doubted: frozenset[int] = frozenset()
+
+
+class Reading(NamedTuple):
+    """The circumstances of one frame of a board.
+
+    Attributes:
+        before: Numbers after the board's previous frame.
+        elapsed_s: Time since that frame.
+        now_s: Time of this frame.
+    """
+
+    before: Numbers
+    elapsed_s: float
+    now_s: float
+
+
+_ESTABLISHED_S = 1.0
+"""An angle that was believed for so long after a jump is established [decided]: longer than the
+spikes of the thesis's robot."""
+
+
+def weigh(
+    spec: PlausibilitySpec,
+    watch: WatchSpec,
+    channel: SensorMemory,
+    numbers: Numbers,
+    reading: Reading,
+    reports: list[FaultReport],
+) -> tuple[SensorMemory, float]:
+    """Return the sensor's memory after its value among these numbers, and the value to show."""
+    value, now_s = numbers[watch.number], reading.now_s
+    possible = watch.low <= value <= watch.high
+    step = value - channel.good
+    if possible and _follows(watch, channel, numbers, reading):
+        return believed(_count_spike(spec, watch, channel, now_s, reports)), value
+    if possible and _goes_on(watch, channel, step):
+        return channel._replace(
+            calm=False, good=value, good_s=now_s, wound=nan, held=(), running=step
+        ), value
+    held = (*channel.held, value)[-spec.hold_back - 1 :]
+    channel = channel._replace(calm=False, held=held)
+    if len(held) <= spec.hold_back and not isnan(channel.good):
+        return channel, channel.good
+    if not possible:
+        if not channel.outside and len(held) > spec.hold_back:
+            reports.append(watch.report(BuiltInFault.SENSOR_RANGE, _outside(watch, value)))
+            channel = channel._replace(outside=True)
+        return channel, nan
+    if not watch.joint or channel.seen <= spec.hold_back:
+        return believed(channel._replace(since_s=now_s)), value
+    where = f"from {watch.in_words(channel.good)} to {watch.in_words(value)}"
+    message = f"{watch.name} has jumped {where}, faster than its motor can turn"
+    message = f"{message}: it is unknown until it jumps back"
+    reports.append(watch.report(BuiltInFault.SENSOR_JUMPED, message))
+    wound_on = watch.stiffness * _reach(watch, channel, reading)
+    wound = channel.wound if abs(torque(watch, numbers) - channel.wound) <= wound_on else nan
+    since_s = now_s if channel.good_s - channel.since_s < _ESTABLISHED_S else inf
+    return channel._replace(jumped=True, held=(value, value), wound=wound, since_s=since_s), nan
+
+
+def believed(channel: SensorMemory) -> SensorMemory:
+    """Return the memory with the last reading believed and nothing pending."""
+    channel = channel._replace(calm=True, good=nan, good_s=-inf, wound=nan, held=())
+    return channel._replace(running=0.0, outside=False, jumped=False, stuck=nan)
+
+
+def torque(watch: WatchSpec, numbers: Numbers) -> float:
+    """Return the torque of the spring behind a joint's motor; NaN if it is not measured."""
+    return numbers[watch.torque] if watch.torque >= 0 else nan
+
+
+def _follows(watch: WatchSpec, channel: SensorMemory, numbers: Numbers, reading: Reading) -> bool:
+    """Return whether a value can follow the last believed one, or there is none.
+
+    In time a joint can turn to almost any angle. So where a joint seems to stay at an impossible
+    angle, time does not make that angle possible.
+    """
+    moved = _least(watch, channel.good, channel.wound, numbers)
+    if moved > _reach(watch, channel, reading):
+        return False
+    if not watch.joint or not channel.held:
+        return True
+    step, turned = _motion(watch, channel.held[-1], torque(watch, reading.before), numbers)
+    return not moved > max(step, turned)  # the step, if the other is unknown
+
+
+def _reach(watch: WatchSpec, channel: SensorMemory, reading: Reading) -> float:
+    """Return the largest motion of the motor since the last believed value."""
+    return watch.rate * max(reading.now_s - channel.good_s, reading.elapsed_s) + watch.slack
+
+
+def _motion(watch: WatchSpec, before: float, wound: float, numbers: Numbers) -> tuple[float, float]:
+    """Return how far a joint has turned, and how far its motor; NaN if that is unknown.
+
+    The spring between them has unwound by the difference. Others can turn the joint, but not the
+    motor.
+
+    Args:
+        watch: The joint's sensor.
+        before: Its value before.
+        wound: The torque of the spring at that time.
+        numbers: Its value and torque now are among them.
+    """
+    step = numbers[watch.number] - before
+    unwound = (torque(watch, numbers) - wound) / watch.stiffness
+    least, most = step + unwound / (1 + watch.spring), step + unwound / (1 - watch.spring)
+    return abs(step), 0.0 if least * most < 0 else min(abs(least), abs(most))
+
+
+def _least(watch: WatchSpec, before: float, wound: float, numbers: Numbers) -> float:
+    """Return the smallest motion of a joint's motor that explains its value after another one.
+
+    A joint faster than its motor is a spring's: one that loses torque, or that others turn against
+    the torque that it bears already, which may exceed what its motor can wind.
+    """
+    step, turned = _motion(watch, before, wound, numbers)
+    now = torque(watch, numbers)
+    explained = abs(now) <= max(abs(wound), watch.winds) or now * wound > 0
+    return min(step, turned) if explained else step
+
+
+def _goes_on(watch: WatchSpec, channel: SensorMemory, step: float) -> bool:
+    """Return whether the value continues a trend, or the readings held back."""
+    if channel.held:
+        before = channel.held[-1] - channel.good
+        if before * step > 0 and abs(step) - abs(before) > watch.slack / 2:
+            return True
+    return channel.running * step > 0
+
+
+def weigh_jumped(
+    spec: PlausibilitySpec,
+    watch: WatchSpec,
+    channel: SensorMemory,
+    numbers: Numbers,
+    reading: Reading,
+    reports: list[FaultReport],
+) -> tuple[SensorMemory, float]:
+    """Return the memory of a joint that has jumped; it is believed again after it jumps back.
+
+    In time a joint can turn to almost any angle, so being near the last believed value is not
+    enough. Nor is a jump to the very angle that was not believed before. A torque that has jumped
+    with the angle, so that `wound` is unknown, explains nothing.
+
+    The angle from which it has jumped may itself have been a spike, if it had been believed only
+    since a jump shortly before. Then readings that follow one another for longer are believed.
+    """
+    value, first, since_s = numbers[watch.number], channel.held[0], channel.since_s
+    once = watch.rate * reading.elapsed_s + watch.slack
+    wound = nan if isnan(channel.wound) else torque(watch, reading.before)
+    again = _least(watch, channel.held[-1], wound, numbers) > once
+    since_s = reading.now_s if again and since_s < inf else since_s
+    moved = _least(watch, channel.good, channel.wound, numbers)
+    back = again and moved <= _reach(watch, channel, reading) and abs(value - first) > watch.slack
+    proven = reading.now_s - since_s >= _ESTABLISHED_S and value != first
+    if (back or proven) and watch.low <= value <= watch.high:
+        return believed(channel._replace(since_s=reading.now_s if back else since_s)), value
+    return channel._replace(held=(first, value), since_s=since_s), nan
+
+
+def _count_spike(
+    spec: PlausibilitySpec,
+    watch: WatchSpec,
+    channel: SensorMemory,
+    now_s: float,
+    reports: list[FaultReport],
+) -> SensorMemory:
+    """Return the memory after the readings held back, if any, turned out to be a spike.
+
+    A sensor that spikes often is reported.
+    """
+    if not channel.held:
+        return channel
+    spikes = (*channel.spikes, now_s)[-spec.spikes :]
+    channel = channel._replace(spikes=spikes, hidden=channel.hidden + 1)
+    within_s = now_s - spikes[0]
+    often = len(spikes) == spec.spikes and within_s <= spec.spikes_within_s
+    if not often or now_s - channel.spiking_s <= spec.spikes_within_s:
+        return channel
+    message = f"{watch.name} has spiked {spec.spikes} times in {within_s:.1f} s"
+    reports.append(watch.report(BuiltInFault.SENSOR_SPIKING, message))
+    return channel._replace(spiking_s=now_s)
+
+
+def _outside(watch: WatchSpec, value: float) -> str:
+    low = f"{watch.low / watch.per_unit:.3g}"
+    where = f"{low} to {watch.in_words(watch.high)}"
+    return f"{watch.name} reports {watch.in_words(value)}, outside {where}"
+
+
+Rows: TypeAlias = Sequence[Sequence[int]]
+
+
+class MotionRows(NamedTuple):
+    """The rows of a board's motions, see :mod:`pirate_sm.core._engine.sensing.evaluator`.
+
+    Attributes:
+        kept: Runs rows, and returns whether all limits are kept; None if no motion is judged.
+    """
+
+    stuck: Rows = ()
+    rest: Rows = ()
+    kept: Callable[[Rows], bool] | None = None
+
+    def repeated(self, cells: Sequence[float]) -> dict[int, tuple[float, float]]:
+        """Return the constant reading of each sensor that shows one, and since when it does."""
+        return {place: (cells[at], cells[at + 1]) for _, _, at, _, place in self.stuck}
+
+
+NOTHING_COMPARED = MotionRows()
+
+
+def after_motion(
+    spec: PlausibilitySpec,
+    watched: WatchedSpec,
+    channels: Sequence[SensorMemory],
+    motion: MotionRows,
+    cells: list[float],
+    now_s: float,
+) -> tuple[Sequence[SensorMemory], list[FaultReport]]:
+    """Return the sensors' memories after a comparison with their motors' setpoints, and faults.
+
+    Args:
+        spec: Thresholds of the robot.
+        watched: The board's sensors.
+        channels: Their memories, which are returned as they are where nothing is found.
+        motion: The comparison.
+        cells: All cells, with the signals as reported. What is remembered of motions is changed.
+        now_s: When the frame was received.
+    """
+    found: list[tuple[int, FaultReport]] = []
+    if motion.kept is None:
+        return channels, []
+    if not motion.kept(motion.stuck):
+        for _, number, memory, _, place in motion.stuck:
+            value, channel = cells[number], channels[place]
+            stays = now_s - cells[memory + 1] >= spec.stuck_after_s
+            if stays and value != channel.stuck:
+                found.append((place, _stuck(spec, watched.sensors[place])))
+                channel = channel._replace(
+                    calm=False, good=value, good_s=now_s, wound=nan, stuck=value
+                )
+                channels = [*channels[:place], channel, *channels[place + 1 :]]
+    believed = [
+        (watch.number, cells[watch.number], channel.good)
+        for watch, channel in zip(watched.sensors, channels, strict=True)
+        if not channel.calm
+    ]
+    for number, _, good in believed:
+        cells[number] = good
+    if not motion.kept(motion.rest):
+        for _, _, memory, _, place in motion.rest:
+            if cells[memory + 6] == JUST_MOVED:
+                cells[memory + 6] = 1.0
+                found.append((place, _moved(watched.sensors[place])))
+    for number, value, _ in believed:
+        cells[number] = value
+    return channels, [report for _, report in sorted(found, key=itemgetter(0))]
+
+
+def _stuck(spec: PlausibilitySpec, watch: WatchSpec) -> FaultReport:
+    message = (
+        f"{watch.name} has shown the same for {spec.stuck_after_s:g} s while its motor is "
+        "driven and bears no load: the sensor is stuck, or the motor gets no current"
+    )
+    return watch.report(BuiltInFault.SENSOR_STUCK, message)
+
+
+def _moved(watch: WatchSpec) -> FaultReport:
+    message = f"{watch.name} moves though nothing was asked of its motor"
+    return watch.report(BuiltInFault.MOTION_UNASKED, message)
 
 
 def unseen(watched: WatchedSpec) -> BoardMemory:

@@ -21,12 +21,16 @@ from statistics import median
 
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.sensing.board_spec import BoardSpec
-from pirate_sm.core._engine.sensing.known_signals import Sensing
-from pirate_sm.core._engine.sensing.slip import Slip, lengthened, slip_between
-from pirate_sm.core._engine.sensing.traction_memory import Slipping, Traction
-from pirate_sm.core._engine.sensing.traction_spec import TractionSpec, WheelTraction
-from pirate_sm.core._geometry.chain_statics import ChainLoads, couples_nm, normal_forces_n
+from pirate_sm.core._engine.sensing.board_spec import BoardSpec, TractionSpec, WheelTraction
+from pirate_sm.core._engine.sensing.known_signals import (
+    Sensing,
+    Slip,
+    Slipping,
+    Traction,
+    lengthened,
+    slip_between,
+)
+from pirate_sm.core._geometry.chain import ChainLoads, couples_nm, normal_forces_n
 from pirate_sm.core._geometry.space import GRAVITY_M_S2
 from pirate_sm.core._model.effects import Environment
 

@@ -11,7 +11,7 @@ import json
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from pirate_sm.core._engine.robot.chart_table import ChartTable, Configuration
+from pirate_sm.core._engine.robot.robot_spec import ChartTable, Configuration
 from pirate_sm.core._loading.chart.guards import States, asked_by, conjuncts, holds
 from pirate_sm.core._loading.chart.outline import ChartOutline, StateNode
 from pirate_sm.core._loading.problems import Problems

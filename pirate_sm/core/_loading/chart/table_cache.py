@@ -11,7 +11,7 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
-from pirate_sm.core._engine.robot.chart_table import ChartTable
+from pirate_sm.core._engine.robot.robot_spec import ChartTable
 from pirate_sm.core._loading.chart import exploration as chart
 from pirate_sm.core._loading.chart.exploration import Watch, compile_chart
 from pirate_sm.core._loading.chart.outline import ChartOutline

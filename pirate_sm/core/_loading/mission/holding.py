@@ -6,10 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import inf
 
-from pirate_sm.core._engine.robot.confirmation_spec import HeldSpec
-from pirate_sm.core._engine.robot.criteria import CriterionSpec, LoadSpec, StalledSpec
+from pirate_sm.core._engine.robot.criteria import CriterionSpec, HeldSpec, LoadSpec, StalledSpec
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._geometry.clamping import holding_nm
+from pirate_sm.core._geometry.chain import holding_nm
 from pirate_sm.core._geometry.network import tilted_up
 from pirate_sm.core._geometry.space import GRAVITY_M_S2, dot
 from pirate_sm.core._model.pipe import Pipe

@@ -8,8 +8,7 @@ from dataclasses import replace
 from math import inf
 
 from pirate_sm.core._engine.mission import program as out
-from pirate_sm.core._engine.mission.program import Program, SwitchControl
-from pirate_sm.core._engine.mission.successors import successors
+from pirate_sm.core._engine.mission.program import Program, SwitchControl, successors
 from pirate_sm.core._loading.mission.assembler import (
     MOST_INSTRUCTIONS,
     Assembly,

@@ -7,8 +7,7 @@ from itertools import product
 from math import degrees, isnan, pi, remainder
 from typing import NamedTuple
 
-from pirate_sm.core._geometry.joints import RouteJoint
-from pirate_sm.core._geometry.route import Route
+from pirate_sm.core._geometry.route import Route, RouteJoint
 from pirate_sm.core._model.pipe import Pipe
 from pirate_sm.core._model.pipe_runs import KeyPath
 from pirate_sm.core._model.profile import Profile

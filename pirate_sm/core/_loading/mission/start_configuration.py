@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from pirate_sm.core._engine.robot.chart_table import ChartTable
+from pirate_sm.core._engine.robot.robot_spec import ChartTable
 from pirate_sm.core._loading.mission.scope import Source
 from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core.errors import UsageError

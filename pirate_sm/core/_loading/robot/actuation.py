@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from math import degrees
 
-from pirate_sm.core._engine.robot.chart_table import ChartTable
 from pirate_sm.core._engine.robot.command_spec import CommandSpec, SlotSpec, StageSpec, Write
 from pirate_sm.core._engine.robot.criteria import AlignedSpec
+from pirate_sm.core._engine.robot.robot_spec import ChartTable
 from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.body_chain import resolve_chain
 from pirate_sm.core._loading.robot.signals import Signals

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from math import inf
 
-from pirate_sm.core._engine.robot.chart_table import ChartTable
 from pirate_sm.core._engine.robot.command_spec import CommandSpec, PostureSpec
 from pirate_sm.core._engine.robot.criteria import (
     AcceptedSpec,
@@ -18,7 +17,7 @@ from pirate_sm.core._engine.robot.criteria import (
     StoppedSpec,
     TurningSpec,
 )
-from pirate_sm.core._engine.robot.robot_spec import FaultSpec, Owners
+from pirate_sm.core._engine.robot.robot_spec import ChartTable, FaultSpec, Owners
 from pirate_sm.core._engine.sensing.board_spec import board_name
 from pirate_sm.core._expressions import Expression, ExpressionError, NumberType, compile_condition
 from pirate_sm.core._loading.problems import Path, Problems

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from pirate_sm.core._engine.robot.chart_table import ChartTable
 from pirate_sm.core._engine.robot.command_spec import StageSpec
-from pirate_sm.core._engine.robot.robot_spec import USUAL, Actuation, ControlSpec
+from pirate_sm.core._engine.robot.robot_spec import USUAL, Actuation, ChartTable, ControlSpec
 from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.actuation import resolve_stage
 from pirate_sm.core._loading.robot.control_modifiers import Modifiers, inherited, modified

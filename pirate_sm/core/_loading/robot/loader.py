@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from pirate_sm.core._engine.mission.program import RuleSpec
-from pirate_sm.core._engine.robot.chart_table import ChartTable
-from pirate_sm.core._engine.robot.robot_spec import RobotSpec
+from pirate_sm.core._engine.robot.robot_spec import ChartTable, RobotSpec
 from pirate_sm.core._loading import references
 from pirate_sm.core._loading.chart.outline import ChartOutline
 from pirate_sm.core._loading.chart.outline_reader import outline_chart

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import nan
 
-from pirate_sm.core._engine.robot.chart_table import ChartTable
 from pirate_sm.core._engine.robot.command_spec import PostureSpec, StageSpec
 from pirate_sm.core._engine.robot.criteria import AcceptedSpec, CriterionSpec
+from pirate_sm.core._engine.robot.robot_spec import ChartTable
 from pirate_sm.core._loading.problems import Path
 from pirate_sm.core._loading.robot.actuation import resolve_stage
 from pirate_sm.core._loading.robot.commands import is_true, on_states, resolve_criterion

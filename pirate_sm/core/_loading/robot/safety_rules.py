@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pirate_sm.core._engine.mission.program import RuleSpec
-from pirate_sm.core._engine.robot.chart_table import ChartTable
+from pirate_sm.core._engine.robot.robot_spec import ChartTable
 from pirate_sm.core._engine.safety import rules as watched
 from pirate_sm.core._expressions import (
     EnumType,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import inf, pi
 
-from pirate_sm.core._engine.sensing.board_spec import BoardSpec
-from pirate_sm.core._engine.sensing.plausibility_spec import (
+from pirate_sm.core._engine.sensing.board_spec import (
+    BoardSpec,
     PlausibilitySpec,
     WatchedSpec,
     WatchSpec,

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import copysign, inf
 
-from pirate_sm.core._engine.robot.chart_table import ChartTable
 from pirate_sm.core._engine.robot.command_spec import SlotSpec, StageSpec, Write
-from pirate_sm.core._engine.robot.confirmation_spec import (
+from pirate_sm.core._engine.robot.criteria import (
+    AcceptedSpec,
     AnglesSpec,
     DarkSpec,
     DrivenSpec,
@@ -18,7 +18,7 @@ from pirate_sm.core._engine.robot.confirmation_spec import (
     Sight,
     StandingSpec,
 )
-from pirate_sm.core._engine.robot.criteria import AcceptedSpec
+from pirate_sm.core._engine.robot.robot_spec import ChartTable
 from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.commands import resolve_load, turning_rad_s
 from pirate_sm.core._loading.robot.signals import Signals

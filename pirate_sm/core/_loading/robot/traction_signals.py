@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import inf
 
-from pirate_sm.core._engine.sensing.board_spec import BoardSpec, WheelSpec
-from pirate_sm.core._engine.sensing.traction_spec import TractionSpec, WheelTraction
+from pirate_sm.core._engine.sensing.board_spec import (
+    BoardSpec,
+    TractionSpec,
+    WheelSpec,
+    WheelTraction,
+)
 from pirate_sm.core._loading.robot.signals import Signals
 from pirate_sm.core._model import derived as kinds
 from pirate_sm.core._model.body import Body

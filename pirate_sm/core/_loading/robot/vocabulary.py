@@ -6,11 +6,9 @@ from collections.abc import Iterator
 from math import inf
 from typing import Literal
 
-from pirate_sm.core._engine.robot.chart_table import ChartTable
-from pirate_sm.core._engine.robot.robot_spec import WordCondition
+from pirate_sm.core._engine.robot.robot_spec import ChartTable, WordCondition
 from pirate_sm.core._engine.sensing.board_spec import WheelSpec
-from pirate_sm.core._engine.sensing.environment import SEGMENTS
-from pirate_sm.core._engine.sensing.joint_around import JOINTS
+from pirate_sm.core._engine.sensing.environment import JOINTS, SEGMENTS
 from pirate_sm.core._engine.state import OUTSIDE
 from pirate_sm.core._expressions import (
     EnumType,

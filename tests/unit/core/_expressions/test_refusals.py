@@ -15,7 +15,7 @@ from pirate_sm.core._expressions import (
     compile_condition,
     compile_expression,
 )
-from pirate_sm.core._expressions.lexer import tokenize
+from pirate_sm.core._expressions.parser import tokenize
 from pirate_sm.core.units import ANGLE, LENGTH, SPEED, Quantity
 
 VOCABULARY = Vocabulary(

@@ -8,8 +8,7 @@ from random import Random
 
 import pytest
 
-from pirate_sm.core._geometry.chain_in_space import ChainInSpace, in_space
-from pirate_sm.core._geometry.kinematics import Chain
+from pirate_sm.core._geometry.chain import Chain, ChainInSpace, in_space
 from pirate_sm.core._geometry.space import DRAWING, Frame, Vector, between, dot
 
 LENGTHS = (0.09, 0.098, 0.102, 0.098, 0.09)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._geometry.chain_statics import ChainLoads, couples_nm, normal_forces_n
+from pirate_sm.core._geometry.chain import ChainLoads, couples_nm, normal_forces_n
 
 LEG_M, MIDDLE_M = 0.090, 0.098
 SPAN_M = 0.120 - 0.048

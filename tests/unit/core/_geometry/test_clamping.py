@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._geometry.clamping import height_m, press_n, span_m
+from pirate_sm.core._geometry.chain import height_m, press_n, span_m
 
 
 @given(st.floats(0.01, 1.0), st.floats(-3.0, 3.0))

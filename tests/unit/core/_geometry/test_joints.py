@@ -6,7 +6,6 @@ from math import isnan, pi, radians, sqrt, tan
 
 import pytest
 
-from pirate_sm.core._geometry.joints import Bend, RouteJoint, bend_at
 from pirate_sm.core._geometry.network import (
     Elbow,
     Mitre,
@@ -17,7 +16,7 @@ from pirate_sm.core._geometry.network import (
     Tee,
     planar,
 )
-from pirate_sm.core._geometry.route import Route
+from pirate_sm.core._geometry.route import Bend, Route, RouteJoint, bend_at
 
 DIAMETER_M = 0.12
 

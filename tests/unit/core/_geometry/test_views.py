@@ -9,10 +9,10 @@ import pytest
 from pirate_sm.core._geometry.network import Elbow, Mitre, Reducer, Segment, Straight, planar
 from pirate_sm.core._geometry.route import Route
 from pirate_sm.core._geometry.space import DRAWING, dot
-from pirate_sm.core._geometry.tube_rings import plain_tubes
 from pirate_sm.core._geometry.views import (
     clock_rad,
     outlines,
+    plain_tubes,
     seen_in,
     unrolled,
     unrolled_walls,

@@ -8,8 +8,8 @@ from random import Random
 import numpy as np
 import pytest
 
-from pirate_sm.core._expressions import bytecode
-from pirate_sm.core._expressions.bytecode import code_of, never_true, words_in
+from pirate_sm.core._expressions import compiler
+from pirate_sm.core._expressions.compiler import code_of, never_true, words_in
 from pirate_sm.core.expressions import BOOLEAN, DEEPEST, Expression, depth_of, tree
 from pirate_sm.simulation.gliding import quiet
 
@@ -55,7 +55,7 @@ def condition(lot: Random, depth: int) -> tree.Node:
     return tree.And(parts) if kind == 5 else tree.Or(parts)
 
 
-def run(code: bytecode.Code, numbers: list[float], origin: list[float]) -> bool | None:
+def run(code: compiler.Code, numbers: list[float], origin: list[float]) -> bool | None:
     arrays = np.array(numbers), np.array(origin), np.zeros(DEEPEST)
     # Where it is built with the package, this function is Python, and numpy warns of what it meets.
     with np.errstate(all="ignore"):
@@ -88,7 +88,7 @@ def test_both_sides_number_the_instructions_alike() -> None:
 
     assert len(operations) == 20
     for name in operations:
-        assert getattr(quiet, name) == getattr(bytecode, name), name
+        assert getattr(quiet, name) == getattr(compiler, name), name
 
 
 def test_what_words_decide_leaves_no_code() -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core._engine.robot.planning import next_steps
+from pirate_sm.core._engine.mission.planning import next_steps
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.robot import RobotSpec, RobotState, at_rest_in, marks_after, refusal, rules
 from pirate_sm.core.sensing import nothing_known

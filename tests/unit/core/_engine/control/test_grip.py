@@ -8,16 +8,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._engine.control.circumstances import Circumstances
-from pirate_sm.core._engine.control.grip import after_frame, gripping, torque_nm
-from pirate_sm.core._engine.control.torque_loop import RunningTorqueLoop
-from pirate_sm.core._engine.control.velocity_loop import RunningVelocityLoop
-from pirate_sm.core._engine.control.wheel_torque_loop import WheelTorqueLoop
 from pirate_sm.core._engine.robot.command_spec import (
     GripSpec,
     TorqueSpec,
     VelocitySpec,
     WheelTorqueSpec,
+)
+from pirate_sm.core._engine.robot.loops import (
+    Circumstances,
+    RunningTorqueLoop,
+    RunningVelocityLoop,
+    WheelTorqueLoop,
+    gripping,
+    gripping_after,
+    torque_nm,
 )
 
 UPRIGHT, LEVEL = pi / 2, 0.0
@@ -51,7 +55,7 @@ def seen(
 def course(spec, *each: Circumstances):
     now = gripping(spec)
     for one in each:
-        now = after_frame(spec, now, one)
+        now = gripping_after(spec, now, one)
     return now
 
 
@@ -93,7 +97,7 @@ def test_once_friction_is_known_it_is_lowered_slowly():
     now = course(CORRECTED, seen(0.0, mu=0.5), seen(1.0, mu=0.5))
     assert now.torque_nm == pytest.approx(0.7 - 0.07)
 
-    now = after_frame(CORRECTED, now, seen(60.0, mu=0.5))
+    now = gripping_after(CORRECTED, now, seen(60.0, mu=0.5))
     assert now.torque_nm == pytest.approx(torque_nm(CORRECTED, 0.5, IN_12_CM, UPRIGHT))
 
 
@@ -109,15 +113,15 @@ def test_a_slipping_wheel_raises_it_at_once(slip):
     calm = course(CORRECTED, seen(0.0, mu=0.6), seen(60.0, mu=0.6))
     assert calm.torque_nm < 0.3
 
-    assert after_frame(CORRECTED, calm, seen(60.1, mu=0.6, slip=slip)).torque_nm == 0.7
-    assert after_frame(CORRECTED, calm, seen(60.1, mu=0.6, slip=0.009)).torque_nm < 0.3
-    assert after_frame(CORRECTED, calm, seen(60.1, mu=0.6, slip=nan)).torque_nm < 0.3
+    assert gripping_after(CORRECTED, calm, seen(60.1, mu=0.6, slip=slip)).torque_nm == 0.7
+    assert gripping_after(CORRECTED, calm, seen(60.1, mu=0.6, slip=0.009)).torque_nm < 0.3
+    assert gripping_after(CORRECTED, calm, seen(60.1, mu=0.6, slip=nan)).torque_nm < 0.3
 
 
 def test_less_friction_raises_it_at_once():
     calm = course(CORRECTED, seen(0.0, mu=0.6), seen(60.0, mu=0.6))
 
-    now = after_frame(CORRECTED, calm, seen(60.1, mu=0.3))
+    now = gripping_after(CORRECTED, calm, seen(60.1, mu=0.3))
 
     assert now.torque_nm == pytest.approx(torque_nm(CORRECTED, 0.3, IN_12_CM, UPRIGHT))
 

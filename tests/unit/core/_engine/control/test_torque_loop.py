@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._engine.control.circumstances import Circumstances
-from pirate_sm.core._engine.control.torque_loop import RunningTorqueLoop
 from pirate_sm.core._engine.robot.command_spec import TorqueSpec
+from pirate_sm.core._engine.robot.loops import Circumstances, RunningTorqueLoop
 
 SPEC = TorqueSpec(
     gain=1.2,

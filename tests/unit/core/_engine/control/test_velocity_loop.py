@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._engine.control.circumstances import Circumstances
-from pirate_sm.core._engine.control.velocity_loop import RunningVelocityLoop
 from pirate_sm.core._engine.robot.command_spec import VelocitySpec
+from pirate_sm.core._engine.robot.loops import Circumstances, RunningVelocityLoop
 
 SPEC = VelocitySpec(gain=0.3, limit=1.0, no_load_rad_s=5.0, speed=0, radius_m=0.02)
 SPEEDS = st.floats(-20, 20)

@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._engine.control.circumstances import Circumstances
-from pirate_sm.core._engine.control.wheel_torque_loop import WheelTorqueLoop
 from pirate_sm.core._engine.robot.command_spec import WheelTorqueSpec
+from pirate_sm.core._engine.robot.loops import Circumstances, WheelTorqueLoop
 
 SPEC = WheelTorqueSpec(stall_torque_nm=0.2, no_load_rad_s=5.0, speed=0)
 SPEEDS = st.floats(-20, 20)

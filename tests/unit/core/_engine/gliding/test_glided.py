@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pirate_sm.core._engine.gliding.glided import Glide
+from pirate_sm.core._engine.gliding.quiet_frames import Glide
 from pirate_sm.core._model.effects import WakeAt
 from pirate_sm.core._model.events import SensorFrame, Tick
 from pirate_sm.core._model.frame_block import FrameBlock

@@ -9,8 +9,8 @@ import pytest
 from driving import BOTH_CLAMPED, Driver
 
 from pirate_sm.core._engine.engine import Engine
-from pirate_sm.core._engine.mission.claims import claim_of, counted, met_unknown
 from pirate_sm.core._engine.mission.program import TriggerSpec
+from pirate_sm.core._engine.mission.waiting import claim_of, counted, met_unknown
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.distance import BASE_M

@@ -7,8 +7,7 @@ from dataclasses import replace
 import pytest
 from driving import IDLE, PIRATE
 
-from pirate_sm.core._engine.mission.program import DRIVEN
-from pirate_sm.core._engine.mission.signals_read import signals_read, slip_watched
+from pirate_sm.core._engine.mission.program import DRIVEN, signals_read, slip_watched
 from pirate_sm.core._engine.robot.criteria import BelowSpec
 from pirate_sm.core._expressions import compile_condition
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from driving import BOTH_CLAMPED, REAR_CLAMPED, Driver, command
 
-from pirate_sm.core._engine.mission import pausing
+from pirate_sm.core._engine.mission import flow
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._model import effects as fx
@@ -145,11 +145,11 @@ def test_a_pause_of_the_operator_meanwhile_lasts_when_the_clamp_is_seen(drive):
 def test_a_pause_that_the_operator_asked_for_before_stays_the_operators(drive):
     driver = holding(drive, DRIVES, REAR_CLAMPED)
     reporting(driver, 1.0)
-    wanted = pausing.wanted(driver.state)
+    wanted = flow.want_pause(driver.state)
     moment = Moment(driver.robot, driver.engine.program, False, driver.now)
 
     assert wanted.mission.pause_wanted
-    assert pausing.until_seen(moment, wanted) == wanted
+    assert flow.pause_until_seen(moment, wanted) == wanted
     assert moment.effects == []
 
 

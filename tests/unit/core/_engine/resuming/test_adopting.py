@@ -7,10 +7,15 @@ from math import inf
 import pytest
 from driving import IDLE, Driver
 
-from pirate_sm.core._engine.resuming.adopting import adoptable, shown_instead
-from pirate_sm.core._engine.resuming.dark_way import DarkWay
-from pirate_sm.core._engine.resuming.hypotheses import Hypothesis
-from pirate_sm.core._engine.resuming.reconciling import Reconciled, StateVerdict, VerdictTable, Word
+from pirate_sm.core._engine.resuming.hypotheses import DarkWay, Hypothesis
+from pirate_sm.core._engine.resuming.reconciling import (
+    Reconciled,
+    StateVerdict,
+    VerdictTable,
+    Word,
+    adoptable,
+    shown_instead,
+)
 from pirate_sm.core._engine.robot.confirmation import declared_in
 from pirate_sm.core._engine.robot.robot_state import DECLARED, Mark
 

@@ -10,8 +10,8 @@ from cut_off import GRIPPING, CutOff
 from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, REAR_CLAMPED, changed_newt, command
 
 from pirate_sm.core._engine.mission.program import Do, Enter, Wait
-from pirate_sm.core._engine.resuming.entry import Entry, Refused, entry, resumed_program
 from pirate_sm.core._engine.resuming.hypotheses import hypotheses
+from pirate_sm.core._engine.resuming.resumption import Entry, Refused, entry, resumed_program
 from pirate_sm.core._engine.robot.done import RESTORING
 from pirate_sm.core._engine.robot.robot_state import Mark
 from pirate_sm.core._engine.sensing.known_signals import with_changes

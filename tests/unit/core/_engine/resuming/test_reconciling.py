@@ -15,10 +15,9 @@ from driving import (
     command,
 )
 
-from pirate_sm.core._engine.resuming.adopting import adoptable
 from pirate_sm.core._engine.resuming.hypotheses import hypotheses
-from pirate_sm.core._engine.resuming.reconciling import changed, reconcile, turning
-from pirate_sm.core._engine.robot.confirmation_spec import StandingSpec
+from pirate_sm.core._engine.resuming.reconciling import adoptable, changed, reconcile, turning
+from pirate_sm.core._engine.robot.criteria import StandingSpec
 from pirate_sm.core._engine.robot.robot_state import DECLARED, DENIED, states_of
 from pirate_sm.core._model.events import FaultReport
 

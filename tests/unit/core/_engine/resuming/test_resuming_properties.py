@@ -17,11 +17,9 @@ from hypothesis import strategies as st
 from world import COURSES, Action, Course
 
 from pirate_sm.core._engine.engine import Engine
-from pirate_sm.core._engine.resuming.dark_way import DarkWay
-from pirate_sm.core._engine.resuming.entry import FAILURE
-from pirate_sm.core._engine.resuming.hypotheses import hypotheses
+from pirate_sm.core._engine.resuming.hypotheses import DarkWay, hypotheses
 from pirate_sm.core._engine.resuming.reconciling import reconcile
-from pirate_sm.core._engine.resuming.resumption import Resumption, resumption
+from pirate_sm.core._engine.resuming.resumption import FAILURE, Resumption, resumption
 from pirate_sm.core._engine.robot.robot_state import confirmed_parts
 from pirate_sm.core._engine.state import EngineState
 from pirate_sm.core._loading.mission import LoadedMission, load_mission

@@ -8,8 +8,7 @@ from math import isnan
 import pytest
 from driving import BOTH_CLAMPED, IDLE
 
-from pirate_sm.core._engine.resuming.dark_way import DarkWay
-from pirate_sm.core._engine.resuming.hypotheses import hypotheses
+from pirate_sm.core._engine.resuming.hypotheses import DarkWay, hypotheses
 from pirate_sm.core._engine.resuming.resumption import Resumption, resumption
 from pirate_sm.core._engine.state import Counted
 

@@ -11,8 +11,13 @@ from cut_off import GRIPPING, CutOff
 from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, REAR_CLAMPED, Driver
 
 from pirate_sm.core._engine.mission.program import Program, Wait
-from pirate_sm.core._engine.resuming.resumption import Resumption, resumption
-from pirate_sm.core._engine.resuming.unknowns import position_read, unknown_position, unknowns
+from pirate_sm.core._engine.resuming.resumption import (
+    Resumption,
+    position_read,
+    resumption,
+    unknown_position,
+    unknowns,
+)
 from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 

@@ -10,7 +10,7 @@ from driving import BOTH_CLAMPED, DRIVING_FORWARD, IDLE, NEWT, PIRATE, REAR_CLAM
 
 from pirate_sm.core._engine.robot import confirmation
 from pirate_sm.core._engine.robot.confirmation import Before, Look, LookResult, Watched
-from pirate_sm.core._engine.robot.confirmation_spec import Sight
+from pirate_sm.core._engine.robot.criteria import Sight
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DECLARED,

@@ -6,8 +6,6 @@ from math import nan
 
 import pytest
 
-from pirate_sm.core._engine.control.position_loop import RunningPositionLoop
-from pirate_sm.core._engine.control.torque_loop import RunningTorqueLoop
 from pirate_sm.core._engine.robot import done
 from pirate_sm.core._engine.robot.command_spec import PositionSpec, TorqueSpec
 from pirate_sm.core._engine.robot.criteria import (
@@ -20,6 +18,7 @@ from pirate_sm.core._engine.robot.criteria import (
     StoppedSpec,
     TurningSpec,
 )
+from pirate_sm.core._engine.robot.loops import RunningPositionLoop, RunningTorqueLoop
 
 RATE, TORQUE, ANGLE, SPEED, OTHER = range(5)
 

@@ -7,7 +7,7 @@ import math
 import pytest
 from driving import FRONT_CLAMPED, IDLE, REAR_CLAMPED, Driver, command
 
-from pirate_sm.core._engine.control.stages import pushed_harder
+from pirate_sm.core._engine.robot.setpoint_arrays import pushed_harder
 from pirate_sm.core._model import events as ev
 
 APEX = math.radians(106)

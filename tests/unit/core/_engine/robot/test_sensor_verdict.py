@@ -8,7 +8,8 @@ from math import inf, nan
 import pytest
 from driving import IDLE, NEWT
 
-from pirate_sm.core._engine.robot.confirmation_spec import (
+from pirate_sm.core._engine.robot.criteria import (
+    AcceptedSpec,
     AnglesSpec,
     DrivenSpec,
     HeldSpec,
@@ -16,7 +17,6 @@ from pirate_sm.core._engine.robot.confirmation_spec import (
     LoadedJoint,
     StandingSpec,
 )
-from pirate_sm.core._engine.robot.criteria import AcceptedSpec
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import DECLARED, Mark, at_rest_in
 from pirate_sm.core._engine.robot.sensor_verdict import SensorVerdict, Shown, shown_by, verdict

@@ -8,7 +8,6 @@ from driving import IDLE, command
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._engine.control.position_loop import RunningPositionLoop
 from pirate_sm.core._engine.robot.command_spec import PositionSpec
 from pirate_sm.core._engine.robot.criteria import (
     AcceptedSpec,
@@ -21,6 +20,7 @@ from pirate_sm.core._engine.robot.criteria import (
     TurningSpec,
 )
 from pirate_sm.core._engine.robot.done import criterion_tree, holds
+from pirate_sm.core._engine.robot.loops import RunningPositionLoop
 from pirate_sm.core._expressions import BooleanType, Expression
 from pirate_sm.core._model.events import Abort
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from driving import Driver, changed_newt, command, driver_of, write_mission
 
+from pirate_sm.core._engine.consequences import watch_rules
 from pirate_sm.core._engine.moment import Moment
-from pirate_sm.core._engine.safety.rule_watch import watch
 from pirate_sm.core._model import effects as fx
 
 OLD_RULES = """\
@@ -124,7 +124,7 @@ def test_no_clamp_is_waited_for_that_would_not_keep_the_rule(ruled: Ruled) -> No
     accepted = body._replace(configuration=target, motion=motion)
     moment = Moment(robot, driver.engine.program, False, driver.now)
 
-    state = watch(moment, driver.state, driver.state._replace(robot=accepted))
+    state = watch_rules(moment, driver.state, driver.state._replace(robot=accepted))
 
     assert [each.code for each in moment.effects if isinstance(each, fx.Fault)] == ["rule.violated"]
     assert not state.mission.pause_wanted

@@ -12,16 +12,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.core._engine.sensing import plausibility
-from pirate_sm.core._engine.sensing.board_spec import BoardSpec, LinkSpec
-from pirate_sm.core._engine.sensing.conversion import observe
-from pirate_sm.core._engine.sensing.known_signals import MotorRequest, nothing_known
-from pirate_sm.core._engine.sensing.plausibility import sift, unseen
-from pirate_sm.core._engine.sensing.plausibility_spec import (
+from pirate_sm.core._engine.sensing.board_spec import (
+    BoardSpec,
+    LinkSpec,
     PlausibilitySpec,
     WatchedSpec,
     WatchSpec,
 )
-from pirate_sm.core._engine.sensing.sensor_memory import BoardMemory, Reading
+from pirate_sm.core._engine.sensing.conversion import observe
+from pirate_sm.core._engine.sensing.known_signals import MotorRequest, nothing_known
+from pirate_sm.core._engine.sensing.plausibility import BoardMemory, Reading, sift, unseen
 from pirate_sm.core._expressions import NumberType, Vocabulary
 from pirate_sm.core._loading.robot import load_robot
 from pirate_sm.core._model.events import SensorFrame

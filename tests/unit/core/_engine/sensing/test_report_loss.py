@@ -6,9 +6,9 @@ from random import Random
 
 import pytest
 
+from pirate_sm.core._engine.safety.faults import LONGEST, silent_limit_s
 from pirate_sm.core._engine.sensing.board_spec import LinkSpec
-from pirate_sm.core._engine.sensing.report_loss import LONGEST, silent_limit_s
-from pirate_sm.core._engine.signals.evaluator import loss_after
+from pirate_sm.core._engine.sensing.evaluator import loss_after
 
 PERIOD_S = 0.1
 LINK = LinkSpec(PERIOD_S, 0.5, 1.0, 0.2, 5)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._engine.sensing.slip import KEPT_S, Stretch, lengthened, slip_between
+from pirate_sm.core._engine.sensing.known_signals import KEPT_S, Stretch, lengthened, slip_between
 
 FAST_M_S, ALARM_M_S = 0.090, 0.010
 

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from pirate_sm.core._engine.signals import evaluator
-from pirate_sm.core._engine.signals.evaluator import loss_after
+from pirate_sm.core._engine.sensing import evaluator
+from pirate_sm.core._engine.sensing.evaluator import loss_after
 
 PERIOD_S = 0.1
 

@@ -14,7 +14,7 @@ from statemachine import StateChart
 from statemachine.io import load as library_load
 from statemachine.orderedset import OrderedSet
 
-from pirate_sm.core._engine.robot.chart_table import ChartTable
+from pirate_sm.core._engine.robot.robot_spec import ChartTable
 from pirate_sm.core._loading.chart import table_cache as chart_cache
 from pirate_sm.core._loading.chart.exploration import compile_chart
 from pirate_sm.core._loading.chart.outline_reader import outline_chart

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core._engine.sensing.plausibility_spec import PlausibilitySpec, WatchSpec
+from pirate_sm.core._engine.sensing.board_spec import PlausibilitySpec, WatchSpec
 from pirate_sm.core._loading.robot import LoadedRobot, load_robot
 
 ROOT = Path(__file__).resolve().parents[5]

@@ -9,7 +9,7 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 import pytest
 
-from pirate_sm.core._geometry.kinematics import ORIGIN, Chain
+from pirate_sm.core._geometry.chain import ORIGIN, Chain
 from pirate_sm.core.events import SensorFrame
 from pirate_sm.core.geometry import link_poses
 from pirate_sm.core.loading import load_mission, load_robot

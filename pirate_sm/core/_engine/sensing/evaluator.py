@@ -145,7 +145,7 @@ def roll_on(
     Odometry is the mean distance rolled by the driven, measured wheels. A wheel's share is added
     when its board reports, for the whole time since its last report. A wheel whose board has been
     silent long enough for a fault gets no share from then on; the other wheels replace it. Nor does
-    one that is not believed, see :mod:`pirate_sm.core._engine.sensing.wheel_belief`.
+    one that is not believed, see :mod:`pirate_sm.core._engine.sensing.wheels`.
     """
     number, angle, own, heard = lists[at], lists[at + 2], lists[at + 3], lists[at + 4]
     silent_s = cells[lists[wheels + 1]]

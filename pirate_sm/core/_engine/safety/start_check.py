@@ -1,5 +1,6 @@
-"""Treat a robot whose controller was away as another one until its sensors show the known one.
+"""Compare the robot with its sensors: before its first command, and after its controller was away.
 
+A robot whose controller was away is treated as another one until its sensors show the known one.
 An echo has shown that the safe setpoints have arrived. It shows nothing about the robot: the
 controller may belong to another one, or this one may have fallen. Everything that was confirmed is
 declared, and compared with what the sensors show now. Until that is over no command begins.
@@ -9,12 +10,11 @@ from __future__ import annotations
 
 from math import inf, isnan, nan
 
-from pirate_sm.core._engine.mission import pausing
-from pirate_sm.core._engine.mission.diverting import meet
+from pirate_sm.core._engine.mission import flow
+from pirate_sm.core._engine.mission.flow import end, meet
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.resuming.dark_way import dark_way
-from pirate_sm.core._engine.resuming.hypotheses import denied, unproven
+from pirate_sm.core._engine.resuming.hypotheses import dark_way, denied, unproven
 from pirate_sm.core._engine.resuming.reconciling import changed
 from pirate_sm.core._engine.robot import commands, confirmation, robot_state
 from pirate_sm.core._engine.robot.command_outcome import doubt_grip
@@ -23,7 +23,7 @@ from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import DECLARED, STOPPED, Mark, confirmed_parts
 from pirate_sm.core._engine.safety.faults import FoundFault
 from pirate_sm.core._engine.state import EngineState
-from pirate_sm.core._model.effects import CommandStatus
+from pirate_sm.core._model.effects import CommandStatus, Ended, Fault
 from pirate_sm.core._model.events import EVIDENCE_ENDS, FaultReport
 from pirate_sm.core._model.fault_codes import BuiltInFault
 
@@ -33,7 +33,7 @@ _LOST = {
 }
 
 
-def doubt(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
+def doubt_all(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
     """Return the state in which nothing counts as confirmed that was shown before.
 
     Wheels that are driven keep their state here, because whoever handles the fault stops them.
@@ -62,14 +62,14 @@ def doubt(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
     )
 
 
-def lose(moment: Moment, state: EngineState, code: str) -> EngineState:
+def doubt_if_lost(moment: Moment, state: EngineState, code: str) -> EngineState:
     """Return the state after a fault: where the link is lost, nothing counts as confirmed."""
     older = moment.nominal or moment.alphabet < EVIDENCE_ENDS
     lost = code in _LOST and not (older or state.mission.ended)
-    return doubt(moment, state, state) if lost else state
+    return doubt_all(moment, state, state) if lost else state
 
 
-def begin(
+def begin_again(
     moment: Moment, before: EngineState, state: EngineState, report: FaultReport
 ) -> EngineState:
     """Hold the robot and begin to compare it with the one before, unless the fault ends the run.
@@ -94,7 +94,7 @@ def begin(
     return state._replace(look=confirmation.begin(robot, state.robot, moment.now_s, known))
 
 
-def strange(moment: Moment, state: EngineState, before: Before) -> tuple[str, ...]:
+def changed_meanwhile(moment: Moment, state: EngineState, before: Before) -> tuple[str, ...]:
     """Return what the robot shows that it cannot have changed while its controller was away."""
     robot, body, numbers = moment.robot, before.body, state.sensing.numbers
     drove = any(body.latest[slot] for slot in robot.safe_zero)
@@ -122,7 +122,7 @@ def decide(moment: Moment, state: EngineState, before: Before, result: LookResul
         found = FoundFault.built_in(BuiltInFault.STATE_CONTRADICTED, message)
         return meet(moment, state._replace(robot=body), found)
     if before.resumes and state.mission.paused:
-        return pausing.resume(moment, state, one_step=False)
+        return flow.resume(moment, state, one_step=False)
     return state
 
 
@@ -151,7 +151,68 @@ def _hold(moment: Moment, state: EngineState, code: str) -> EngineState:
         again = mission if mission.paused else mission._replace(begun=False)
         state = state._replace(robot=body, mission=again)
     if not mission.paused:
-        state = pausing.begin(moment, state)
+        state = flow.pause(moment, state)
     if state.robot.flight is None:  # its echo shows which array is in force now
         state = state._replace(robot=commands.stop(moment, state.robot, state.sensing))
     return state
+
+
+def compare(moment: Moment, state: EngineState, look: confirmation.Look) -> EngineState:
+    """Continue the comparison of declared states and sensors; a contradiction ends the run."""
+    state, seen = _compare(moment, state, look)
+    state = state._replace(look=seen.look)
+    if seen.look is not None:
+        return state
+    if look.before is not None:
+        return decide(moment, state, look.before, seen)
+    if seen.contradictions:
+        return _refuse(moment, state, seen)
+    for part in confirmation.parts_left_open(moment.robot, state.robot):
+        moment.warn(f"the sensors do not show whether the {part} part holds")
+    return state
+
+
+def see_again(moment: Moment, state: EngineState) -> EngineState:
+    """Confirm the parts again whose sensors were not known, once they show that these hold."""
+    look = confirmation.seen_again(moment.robot, state.lapsed, state.robot)
+    if look is None:
+        return state._replace(lapsed=None)
+    state, seen = _compare(moment, state, look)
+    return state._replace(lapsed=seen.look)
+
+
+def _compare(
+    moment: Moment, state: EngineState, look: confirmation.Look
+) -> tuple[EngineState, confirmation.LookResult]:
+    """Return the result of a comparison, and the state without the marks that it confirms."""
+    robot, body = moment.robot, state.robot
+    numbers, diameter_m = state.sensing.numbers, moment.program.diameter_m
+    strange = changed_meanwhile(moment, state, look.before) if look.before else ()
+    seen = confirmation.look(robot, look, body, numbers, diameter_m, moment.now_s, strange)
+    if seen.confirmed:
+        before = robot_state.state_change(robot, body)
+        body = body._replace(marks=body.marks - seen.confirmed)
+        state = state._replace(robot=body)
+        change = robot_state.state_change(robot, body)
+        if change != before:
+            moment.emit(change)
+    return state, seen
+
+
+def _refuse(moment: Moment, state: EngineState, seen: confirmation.LookResult) -> EngineState:
+    """End the run because the sensors contradict the declared states.
+
+    No array was sent. The safe array is sent only if wheels turn, because it would actuate clamps
+    that may not hold.
+    """
+    message = (
+        f"the sensors contradict what is declared: {'; '.join(seen.contradictions)}. "
+        "Say with --state REGION=STATE where the robot is"
+    )
+    moment.emit(Fault(confirmation.CODE, message, "stop"))
+    cause = f"{confirmation.CODE}: {message}"
+    if not seen.turning:
+        moment.emit(Ended("fault", cause, ""))
+        return state._replace(mission=state.mission._replace(ended=True))
+    robot = state.robot._replace(sent=True)
+    return end(moment, state._replace(robot=robot), "fault", cause)

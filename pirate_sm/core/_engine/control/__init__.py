@@ -1,1 +1,0 @@
-"""Compute the setpoints of a stage and run the control loops of joints and wheels."""
