@@ -5,8 +5,16 @@ from __future__ import annotations
 from functools import partial
 from math import inf, isnan
 
-from pirate_sm.core._engine.mission import flow
-from pirate_sm.core._engine.mission.flow import divert, end, end_by_fault, finish, meet
+from pirate_sm.core._engine.mission.flow import (
+    await_sight,
+    divert,
+    end,
+    end_by_fault,
+    finish,
+    meet,
+    pause_if_wanted,
+    pause_until_seen,
+)
 from pirate_sm.core._engine.mission.interpreter import advance, without_requests
 from pirate_sm.core._engine.mission.waiting import next_deadline
 from pirate_sm.core._engine.moment import Moment, has_come
@@ -15,112 +23,12 @@ from pirate_sm.core._engine.robot.criteria import Evidence
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.sensor_verdict import proofs_after
 from pirate_sm.core._engine.safety import rules, start_check
-from pirate_sm.core._engine.safety import start_check as reconnection
 from pirate_sm.core._engine.safety.faults import listen, unsettle
 from pirate_sm.core._engine.sensing.conversion import forget_stale
 from pirate_sm.core._engine.sensing.environment import NOTHING_AROUND, differs, merged, survey
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._engine.state import EngineState
-from pirate_sm.core._model.effects import Environment, WakeAt
-from pirate_sm.core._model.events import EnvironmentReport
-
-
-def wake_s(moment: Moment, state: EngineState) -> float:
-    """Return the next time at which something changes without an event."""
-    due_s = min(deadline_s(moment, state), state.word_until_s)
-    if moment.nominal:
-        return min(due_s, state.surveyed.due_s)
-    return min(due_s, listening_s(moment.robot, state.sensing))
-
-
-def deadline_s(moment: Moment, state: EngineState) -> float:
-    """Return the next deadline of the robot, its mission or the start check."""
-    body = state.robot
-    if state.mission.suspended:
-        body = body._replace(motion=None)  # its deadline is frozen
-    due_s = min(
-        robot_state.next_deadline(moment.robot, body, moment.nominal), next_deadline(moment, state)
-    )
-    if state.looking is not None and not state.mission.ending:
-        return min(due_s, state.looking.due_s)
-    return due_s
-
-
-def listening_s(robot: RobotSpec, sensing: Sensing) -> float:
-    """Return when silent boards and stale signals are looked for again."""
-    return sensing.checked_s + robot.link.listen_every_s
-
-
-def watch_rules(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
-    """Update the progress of the rules, and end a mission that breaks one.
-
-    If a command of the operator breaks a rule, a warning is emitted and the mission continues. If
-    only a clamp is missing whose sensors are not known now, it pauses until they show it again.
-    """
-    if not state.rules:
-        return state
-    old, new = before.robot, state.robot
-    motion = new.motion or old.motion
-    accepted = old.configuration != new.configuration
-    if not accepted and old.marks == new.marks and old.values == new.values:
-        return state
-    diverting = state.mission.diverting is not None or state.look is not None
-    if not accepted and diverting:
-        return state
-    name = moment.robot.commands[motion.command].name if motion is not None else None
-    follow = partial(rules.follow, moment.program, moment.robot, state.rules)
-    accepts = int(accepted), name if accepted else None
-    places, broken = follow(new, *accepts)
-    unseen = bool(broken) and not follow(confirmation.as_last_seen(new), *accepts)[1]
-    if places != state.rules:
-        state = state._replace(rules=places)
-    # While a fault is being handled the mission breaks no rule: rules were checked before its last
-    # command was sent, and its wheels are stopped before the handler begins. While sensors are
-    # compared with states no command begins either.
-    for rule in () if diverting else broken:
-        if motion is not None and not motion.place:
-            moment.warn(f"{name}, given by hand, violates {rules.said(rule)}")
-        elif state.mission.ending or state.mission.ended:
-            pass
-        elif unseen:
-            return flow.pause_until_seen(moment, state)  # once, whatever rules are broken
-        else:
-            state = end_by_fault(moment, state, rules.CODE, rules.said(rule))
-    return state
-
-
-def environment_report(moment: Moment, state: EngineState, event: EnvironmentReport) -> EngineState:
-    """Take a report from outside in; what it knows counts while it is valid."""
-    said = event._asdict()
-    until_s = moment.now_s + said.pop("valid_for_s")
-    surveyed = state.surveyed._replace(
-        outside=Environment(**said), outside_until_s=until_s, due_s=moment.now_s
-    )
-    return state._replace(surveyed=surveyed)
-
-
-def look_round(moment: Moment, state: EngineState) -> EngineState:
-    """Survey the pipe around the robot, and report it if it has changed."""
-    if moment.nominal:
-        surveyed, found = state.surveyed._replace(due_s=inf), NOTHING_AROUND
-    else:
-        surveyed, found = survey(
-            moment.robot,
-            state.surveyed,
-            state.robot,
-            state.sensing.numbers,
-            state.outside("detector"),
-            state.faults.raised,
-            moment.now_s,
-        )
-    if not has_come(moment.now_s, surveyed.outside_until_s):
-        found = merged(found, surveyed.outside)
-        surveyed = surveyed._replace(due_s=min(surveyed.due_s, surveyed.outside_until_s))
-    if not differs(surveyed.reported, found):
-        return state._replace(surveyed=surveyed)
-    moment.emit(found)
-    heard = state.hearing(segment=found.segment or None, joint=found.joint or None)
-    return heard._replace(surveyed=surveyed._replace(reported=found))
+from pirate_sm.core._model.effects import WakeAt
 
 
 def settle(  # noqa: C901 - asked at every event, so most of it is asked here
@@ -137,7 +45,7 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
     if due:
         state = _housekeep(moment, state)
     if moment.now_s >= state.surveyed.due_s and not state.mission.ended:  # nothing follows the end
-        state = look_round(moment, state)
+        state = _look_round(moment, state)
     judged = before
     if state.mission.ending is not None:
         state = finish(moment, state)
@@ -181,16 +89,16 @@ def _go_on(moment: Moment, state: EngineState) -> EngineState:
         state = divert(moment, state)
     if look is None:  # no commands during a comparison
         if state.mission.sight_until_s < inf:
-            state = flow.await_sight(moment, state)
+            state = await_sight(moment, state)
         if state.mission.pause_wanted:
-            state = flow.pause_if_wanted(moment, state)
+            state = pause_if_wanted(moment, state)
         state = advance(moment, state)
     limit_s = moment.program.time_limit_s
     if limit_s < inf and has_come(state.mission.clock(moment.now_s), limit_s):
         message = f"the mission's time limit of {limit_s:g} s has passed"
         state = end(moment, state, "failed", message)
     if state.mission.pause_wanted:
-        state = flow.pause_if_wanted(moment, state)
+        state = pause_if_wanted(moment, state)
     if state.robot.loops and not moment.nominal:  # a command of this step comes first
         robot = setpoint_arrays.stream(moment, state.robot, state.sensing)
         if robot is not state.robot:
@@ -205,6 +113,68 @@ def _watch_command(moment: Moment, state: EngineState) -> EngineState:
     if robot is not state.robot:
         state = state.moved(moment.robot, robot)
     return state.finished(finished)
+
+
+def watch_rules(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
+    """Update the progress of the rules, and end a mission that breaks one.
+
+    If a command of the operator breaks a rule, a warning is emitted and the mission continues. If
+    only a clamp is missing whose sensors are not known now, it pauses until they show it again.
+    """
+    if not state.rules:
+        return state
+    old, new = before.robot, state.robot
+    motion = new.motion or old.motion
+    accepted = old.configuration != new.configuration
+    if not accepted and old.marks == new.marks and old.values == new.values:
+        return state
+    diverting = state.mission.diverting is not None or state.look is not None
+    if not accepted and diverting:
+        return state
+    name = moment.robot.commands[motion.command].name if motion is not None else None
+    follow = partial(rules.follow, moment.program, moment.robot, state.rules)
+    accepts = int(accepted), name if accepted else None
+    places, broken = follow(new, *accepts)
+    unseen = bool(broken) and not follow(confirmation.as_last_seen(new), *accepts)[1]
+    if places != state.rules:
+        state = state._replace(rules=places)
+    # While a fault is being handled the mission breaks no rule: rules were checked before its last
+    # command was sent, and its wheels are stopped before the handler begins. While sensors are
+    # compared with states no command begins either.
+    for rule in () if diverting else broken:
+        if motion is not None and not motion.place:
+            moment.warn(f"{name}, given by hand, violates {rules.said(rule)}")
+        elif state.mission.ending or state.mission.ended:
+            pass
+        elif unseen:
+            return pause_until_seen(moment, state)  # once, whatever rules are broken
+        else:
+            state = end_by_fault(moment, state, rules.CODE, rules.said(rule))
+    return state
+
+
+def _look_round(moment: Moment, state: EngineState) -> EngineState:
+    """Survey the pipe around the robot, and report it if it has changed."""
+    if moment.nominal:
+        surveyed, found = state.surveyed._replace(due_s=inf), NOTHING_AROUND
+    else:
+        surveyed, found = survey(
+            moment.robot,
+            state.surveyed,
+            state.robot,
+            state.sensing.numbers,
+            state.outside("detector"),
+            state.faults.raised,
+            moment.now_s,
+        )
+    if not has_come(moment.now_s, surveyed.outside_until_s):
+        found = merged(found, surveyed.outside)
+        surveyed = surveyed._replace(due_s=min(surveyed.due_s, surveyed.outside_until_s))
+    if not differs(surveyed.reported, found):
+        return state._replace(surveyed=surveyed)
+    moment.emit(found)
+    heard = state.hearing(segment=found.segment or None, joint=found.joint or None)
+    return heard._replace(surveyed=surveyed._replace(reported=found))
 
 
 def _housekeep(moment: Moment, state: EngineState) -> EngineState:
@@ -223,7 +193,7 @@ def _housekeep(moment: Moment, state: EngineState) -> EngineState:
     faults, found = listen(moment.robot, faults, sensing, moment.now_s, moment.alphabet)
     state = state._replace(sensing=sensing, faults=faults)
     for fault in found:
-        state = meet(moment, reconnection.doubt_if_lost(moment, state, fault.code), fault)
+        state = meet(moment, start_check.doubt_if_lost(moment, state, fault.code), fault)
     return state
 
 
@@ -231,8 +201,34 @@ def _set_wake(moment: Moment, state: EngineState) -> EngineState:
     """Emit the next time at which something changes without an event, if it is another one."""
     if state.mission.ended:
         return state
-    wake = wake_s(moment, state)
+    wake = _wake_s(moment, state)
     if wake == state.wake_at_s or isnan(wake):
         return state
     moment.emit(WakeAt(wake))
     return state._replace(wake_at_s=wake)
+
+
+def _wake_s(moment: Moment, state: EngineState) -> float:
+    """Return the next time at which something changes without an event."""
+    due_s = min(deadline_s(moment, state), state.word_until_s)
+    if moment.nominal:
+        return min(due_s, state.surveyed.due_s)
+    return min(due_s, listening_s(moment.robot, state.sensing))
+
+
+def deadline_s(moment: Moment, state: EngineState) -> float:
+    """Return the next deadline of the robot, its mission or the start check."""
+    body = state.robot
+    if state.mission.suspended:
+        body = body._replace(motion=None)  # its deadline is frozen
+    due_s = min(
+        robot_state.next_deadline(moment.robot, body, moment.nominal), next_deadline(moment, state)
+    )
+    if state.looking is not None and not state.mission.ending:
+        return min(due_s, state.looking.due_s)
+    return due_s
+
+
+def listening_s(robot: RobotSpec, sensing: Sensing) -> float:
+    """Return when silent boards and stale signals are looked for again."""
+    return sensing.checked_s + robot.link.listen_every_s

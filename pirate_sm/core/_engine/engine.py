@@ -9,9 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import isnan
 
-from pirate_sm.core._engine import consequences, inputs
-from pirate_sm.core._engine import inputs as operator
-from pirate_sm.core._engine import inputs as scripted_signals
+from pirate_sm.core._engine import inputs
 from pirate_sm.core._engine.consequences import settle
 from pirate_sm.core._engine.gliding.lookout import Lookout
 from pirate_sm.core._engine.gliding.quiet_frames import Glided, Watch, after_glide
@@ -144,7 +142,7 @@ class Engine:
         moment.emit(robot_state.state_change(self.robot, robot))
         for report in seen:
             if isinstance(report, events.SignalReport):
-                state = scripted_signals.signal_report(moment, state, report)
+                state = inputs.signal_report(moment, state, report)
         if resumed is not None:
             state = state._replace(robot=commands.stop(moment, state.robot, state.sensing))
         return settle(moment, state, state), tuple(moment.effects)
@@ -256,16 +254,16 @@ def _take(moment: Moment, state: EngineState, event: events.Event) -> EngineStat
         case events.Tick():
             return state
         case events.SignalReport():
-            return scripted_signals.signal_report(moment, state, event)
+            return inputs.signal_report(moment, state, event)
         case events.DetectorWord():
             return inputs.word(moment, state, event)
         case events.EnvironmentReport():
-            return consequences.environment_report(moment, state, event)
+            return inputs.environment_report(moment, state, event)
         case events.OutsideNumber():
             return inputs.outside_number(moment, state, event)
         case events.FaultReport():
             return inputs.fault_report(moment, state, event)
         case events.CommandFailed():
-            return scripted_signals.command_failed(moment, state, event)
+            return inputs.command_failed(moment, state, event)
         case _:
-            return operator.obey(moment, state, event)
+            return inputs.obey(moment, state, event)

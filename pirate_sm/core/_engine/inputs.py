@@ -6,7 +6,7 @@ from math import nan
 from typing import assert_never
 
 from pirate_sm.core._engine.mission import flow
-from pirate_sm.core._engine.mission.flow import end, lapse_unheard, meet
+from pirate_sm.core._engine.mission.flow import meet
 from pirate_sm.core._engine.mission.program import Program, SwitchControl
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.robot import command_outcome, commands, confirmation, setpoint_arrays
@@ -27,13 +27,14 @@ from pirate_sm.core._engine.sensing.distance import judge
 from pirate_sm.core._engine.sensing.known_signals import nothing_estimated
 from pirate_sm.core._engine.sensing.traction import measured_outside, rolled, with_traction
 from pirate_sm.core._engine.state import OUTSIDE, EngineState
-from pirate_sm.core._model.effects import CommandStatus, Detected, Log
+from pirate_sm.core._model.effects import CommandStatus, Detected, Environment, Log
 from pirate_sm.core._model.events import (
     EVIDENCE_ENDS,
     Abort,
     Answer,
     CommandFailed,
     DetectorWord,
+    EnvironmentReport,
     FaultReport,
     GoTo,
     Observation,
@@ -49,6 +50,8 @@ from pirate_sm.core._model.events import (
     SubmitResult,
 )
 from pirate_sm.core._model.fault_codes import BuiltInFault
+
+# --- backends and detectors -------------------------------------------------------------------
 
 
 def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState:
@@ -138,6 +141,16 @@ def outside_number(moment: Moment, state: EngineState, event: OutsideNumber) -> 
     return state._replace(sensing=sensing)
 
 
+def environment_report(moment: Moment, state: EngineState, event: EnvironmentReport) -> EngineState:
+    """Take a report from outside in; what it knows counts while it is valid."""
+    said = event._asdict()
+    until_s = moment.now_s + said.pop("valid_for_s")
+    surveyed = state.surveyed._replace(
+        outside=Environment(**said), outside_until_s=until_s, due_s=moment.now_s
+    )
+    return state._replace(surveyed=surveyed)
+
+
 def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> EngineState:
     """Apply the result of an array; a rejected stop or loop array is a fault."""
     flight = state.robot.flight
@@ -185,79 +198,7 @@ def fault_report(moment: Moment, state: EngineState, event: FaultReport) -> Engi
     return start_check.begin_again(moment, before, state, event)
 
 
-def why_not_command(
-    robot: RobotSpec, state: EngineState, index: int, *, at_once: bool = False
-) -> str:
-    """Return why a command of the operator would be refused now; empty if it would be accepted.
-
-    Args:
-        robot: The robot.
-        state: The engine's state.
-        index: The command, as an index into the chart's commands.
-        at_once: Whether it ends a drive that is under way, as in ``OperatorCommand``.
-    """
-    if state.mission.ended or state.mission.ending is not None:
-        return "impossible: the mission is ending"
-    if state.look is not None:
-        return f"impossible: {confirmation.LOOKING}"
-    motion, stops = state.robot.motion, isinstance(robot.commands[index].done, StoppedSpec)
-    if motion is not None and not state.mission.suspended:
-        drives = bool(robot.driven[motion.target])
-        if not (at_once and stops and drives) or motion.place:
-            return "impossible: another command is under way"
-    if state.robot.awaited is not None:
-        return "impossible: setpoints are in flight"
-    return command_outcome.refusal(robot, state.robot, index)
-
-
-def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
-    """Carry out a request of the operator, or emit a warning that says why it is refused."""
-    match request:
-        case OperatorCommand():
-            return _command(moment, state, request)
-        case Observation():
-            moment.emit(Log("info", f"{request.words} (operator)"))
-            return state
-        case Answer() | Skip() if state.mission.paused:
-            answers = isinstance(request, Answer)
-            what = "no answer is taken" if answers else "nothing is passed over"
-            moment.warn(f"{what} while paused")
-            return state
-        case Answer(choice):
-            return state._replace(mission=state.mission._replace(answer=choice))
-        case Skip(trigger):
-            return state._replace(mission=state.mission._replace(skipped=trigger))
-        case Pause():
-            return flow.want_pause(state)
-        case Resume() | Step():
-            return flow.resume(moment, state, one_step=isinstance(request, Step))
-        case GoTo():
-            return flow.go_to(moment, state, request)
-        case Abort(reason):
-            return end(moment, state, "interrupted", reason)
-        case _:
-            assert_never(request)
-
-
-def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> EngineState:
-    """Begin the command or refuse it with a reason; a command suspended by a pause ends."""
-    index = moment.robot.table.command_index.get(event.command)
-    if index is None:
-        reason = "impossible: there is no such command"
-    else:
-        state = lapse_unheard(moment, state)
-        reason = why_not_command(moment.robot, state, index, at_once=event.at_once)
-    if not 0 <= event.share <= 1:
-        reason = reason or "impossible: the speed must be 0 to 100 %"
-    if reason or index is None:
-        moment.emit(CommandStatus(event.command, "refused", reason))
-        return state
-    state = flow.take_over(moment, state)
-    body = state.robot
-    if body.motion is not None:
-        body = commands.fail(moment, body, flow.TAKEN_OVER)
-    body = commands.begin(moment, body, state.sensing, index, None, "", share=event.share)
-    return state._replace(robot=body)
+# --- scripts instead of sensors, in runs where commands take their nominal time --------------
 
 
 def signal_report(moment: Moment, state: EngineState, report: SignalReport) -> EngineState:
@@ -309,3 +250,81 @@ def awaits_torques(program: Program, state: EngineState) -> bool:
         and isinstance(program.instructions[mission.pc], SwitchControl)
         and any(isinstance(each, RunningTorqueLoop) for each in body.loops)
     )
+
+
+# --- the operator, for the engine and for views ----------------------------------------------
+
+
+def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
+    """Carry out a request of the operator, or emit a warning that says why it is refused."""
+    match request:
+        case OperatorCommand():
+            return _command(moment, state, request)
+        case Observation():
+            moment.emit(Log("info", f"{request.words} (operator)"))
+            return state
+        case Answer() | Skip() if state.mission.paused:
+            answers = isinstance(request, Answer)
+            what = "no answer is taken" if answers else "nothing is passed over"
+            moment.warn(f"{what} while paused")
+            return state
+        case Answer(choice):
+            return state._replace(mission=state.mission._replace(answer=choice))
+        case Skip(trigger):
+            return state._replace(mission=state.mission._replace(skipped=trigger))
+        case Pause():
+            return flow.want_pause(state)
+        case Resume() | Step():
+            return flow.resume(moment, state, one_step=isinstance(request, Step))
+        case GoTo():
+            return flow.go_to(moment, state, request)
+        case Abort(reason):
+            return flow.end(moment, state, "interrupted", reason)
+        case _:
+            assert_never(request)
+
+
+def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> EngineState:
+    """Begin the command or refuse it with a reason; a command suspended by a pause ends."""
+    index = moment.robot.table.command_index.get(event.command)
+    if index is None:
+        reason = "impossible: there is no such command"
+    else:
+        state = flow.lapse_unheard(moment, state)
+        reason = why_not_command(moment.robot, state, index, at_once=event.at_once)
+    if not 0 <= event.share <= 1:
+        reason = reason or "impossible: the speed must be 0 to 100 %"
+    if reason or index is None:
+        moment.emit(CommandStatus(event.command, "refused", reason))
+        return state
+    state = flow.take_over(moment, state)
+    body = state.robot
+    if body.motion is not None:
+        body = commands.fail(moment, body, flow.TAKEN_OVER)
+    body = commands.begin(moment, body, state.sensing, index, None, "", share=event.share)
+    return state._replace(robot=body)
+
+
+def why_not_command(
+    robot: RobotSpec, state: EngineState, index: int, *, at_once: bool = False
+) -> str:
+    """Return why a command of the operator would be refused now; empty if it would be accepted.
+
+    Args:
+        robot: The robot.
+        state: The engine's state.
+        index: The command, as an index into the chart's commands.
+        at_once: Whether it ends a drive that is under way, as in ``OperatorCommand``.
+    """
+    if state.mission.ended or state.mission.ending is not None:
+        return "impossible: the mission is ending"
+    if state.look is not None:
+        return f"impossible: {confirmation.LOOKING}"
+    motion, stops = state.robot.motion, isinstance(robot.commands[index].done, StoppedSpec)
+    if motion is not None and not state.mission.suspended:
+        drives = bool(robot.driven[motion.target])
+        if not (at_once and stops and drives) or motion.place:
+            return "impossible: another command is under way"
+    if state.robot.awaited is not None:
+        return "impossible: setpoints are in flight"
+    return command_outcome.refusal(robot, state.robot, index)

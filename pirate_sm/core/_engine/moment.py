@@ -1,4 +1,4 @@
-"""The working context of one engine step: robot, program, time and the effects so far."""
+"""The working context of one engine step: robot, program, time, and the effects so far."""
 
 from __future__ import annotations
 
@@ -6,6 +6,15 @@ from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._model.effects import Effect, Log
 from pirate_sm.core._model.events import ALPHABET_VERSION
+
+ROUNDING_S = 1e-9
+"""Tolerance of time comparisons. Sums of times differ by rounding: without a tolerance, a deadline
+could be due for the clock that wakes the engine, and not yet for the engine."""
+
+
+def has_come(now: float, at_s: float) -> bool:
+    """Return whether the time ``at_s`` has been reached, within rounding."""
+    return now >= at_s - ROUNDING_S
 
 
 class Moment:
@@ -64,13 +73,3 @@ class Moment:
     def warn(self, message: str) -> None:
         """Append a warning for the operator to the effects."""
         self.effects.append(Log("warning", message))
-
-
-ROUNDING_S = 1e-9
-"""Tolerance of time comparisons. Sums of times differ by rounding: without a tolerance, a deadline
-could be due for the clock that wakes the engine, and not yet for the engine."""
-
-
-def has_come(now: float, at_s: float) -> bool:
-    """Return whether the time ``at_s`` has been reached, within rounding."""
-    return now >= at_s - ROUNDING_S

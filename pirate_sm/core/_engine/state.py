@@ -181,7 +181,7 @@ class EngineState(NamedTuple):
         rules: Progress of each safety rule, see :mod:`pirate_sm.core._engine.safety.rules`.
         surveyed: The pipe around the robot.
         lapsed: The running comparison for parts whose sensors were not known; None without any.
-        proofs: What has shown each state and clamp, see :mod:`pirate_sm.core._engine.robot.sensor_verdict`.
+        proofs: What has shown each state and clamp.
     """
 
     robot: RobotState

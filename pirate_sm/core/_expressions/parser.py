@@ -29,6 +29,8 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.spelling import nearest, one_of
 from pirate_sm.core.units import UNITS, Quantity, QuantityError, nearest_unit, parse_quantity
 
+# --- faults -----------------------------------------------------------------------------------
+
 
 @dataclass(frozen=True, slots=True)
 class ExpressionFault:
@@ -69,6 +71,9 @@ def refusal(message: str, offset: int, suggestion: str = "", length: int = 1) ->
 def _line(fault: ExpressionFault) -> str:
     hint = f", did you mean '{fault.suggestion.strip()}'?" if fault.suggestion else ""
     return f"column {fault.offset + 1}: {fault.message}{hint}"
+
+
+# --- tokens -----------------------------------------------------------------------------------
 
 
 LONGEST_TEXT: Final = 1000
@@ -185,6 +190,9 @@ def _number(text: str, position: int) -> Token:
         raise refusal(error.message, position, error.suggestion, len(written)) from None
 
 
+# --- the syntax, before names and units are resolved ------------------------------------------
+
+
 @dataclass(frozen=True, slots=True)
 class SyntaxPart:
     """Any part of an expression, with the place of its first or its governing token."""
@@ -276,6 +284,9 @@ OperationPart: TypeAlias = (
     UnaryPart | ArithmeticPart | ComparisonPart | MembershipPart | LogicPart | CallPart
 )
 AnyPart: TypeAlias = NumberPart | TruthPart | NamePart | ParameterPart | OperationPart
+
+
+# --- the grammar ------------------------------------------------------------------------------
 
 
 DEEPEST_NESTING: Final = 32

@@ -29,6 +29,8 @@ from typing import NamedTuple
 from pirate_sm.core._geometry.plane import turned
 from pirate_sm.core._geometry.space import Frame, Place, Vector
 
+# --- kinematics in a plane --------------------------------------------------------------------
+
 
 class Pose(NamedTuple):
     """Position and heading of a link in the plane, m and rad.
@@ -121,6 +123,9 @@ def link_poses(places: Sequence[Place]) -> tuple[Pose, ...]:
     return tuple(Pose(ax, ay, atan2(ay - by, ax - bx)) for (ax, ay), (bx, by) in pairwise(places))
 
 
+# --- in space: two planar parts with a roll joint between them --------------------------------
+
+
 class ChainInSpace(NamedTuple):
     """Where a chain is.
 
@@ -160,6 +165,9 @@ def in_space(
         along, across = turned((places[each][0] - x, places[each][1] - y), -heading)
         points[each] = other.point(along, across)
     return ChainInSpace(tuple(points), *((other, plane) if behind else (plane, other)))
+
+
+# --- statics ----------------------------------------------------------------------------------
 
 
 LEAST_COSINE = 0.2
@@ -259,6 +267,9 @@ def _across_links(lengths_m: Sequence[float], loads: ChainLoads) -> list[tuple[f
         found[link] = (ahead_x + x, ahead_y + y)
         found[link + 1] = (behind_x - x, behind_y - y)
     return found
+
+
+# --- clamps -----------------------------------------------------------------------------------
 
 
 WHEELS_SHARE = 4.0

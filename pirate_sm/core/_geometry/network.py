@@ -195,6 +195,9 @@ def tilted_up(tilt_rad: float, uphill_rad: float) -> Vector:
     return slope * cos(uphill_rad), slope * sin(uphill_rad), -cos(tilt_rad)
 
 
+# --- pieces of the centre line ----------------------------------------------------------------
+
+
 class Arc(NamedTuple):
     """The arc of a piece.
 

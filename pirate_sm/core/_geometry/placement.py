@@ -254,6 +254,9 @@ def _angle(one: Vector, other: Vector) -> float:
     return 2.0 * asin(min(dist(one, other) / 2.0, 1.0))
 
 
+# --- pipes that run into each other -----------------------------------------------------------
+
+
 _CHORD_RAD = pi / 12
 """An arc is looked at as chords of this angle."""
 

@@ -114,6 +114,9 @@ def _nearest(one: Place, other: Place, place: Place) -> tuple[float, Place]:
     return ((place[0] - near[0]) ** 2 + (place[1] - near[1]) ** 2) ** 0.5, near
 
 
+# --- the planes of the two parts of a robot in space ------------------------------------------
+
+
 def part_normals(
     route: Route, points: Sequence[Vector], rear: int, rolls_rad: Sequence[float]
 ) -> tuple[Vector, Vector]:

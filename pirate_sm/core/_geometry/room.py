@@ -169,6 +169,9 @@ def _loose(route: Route, run: str) -> tuple[bool, bool]:
     return loose(own.begins), loose(own.ends)
 
 
+# --- the mouth of a tee's branch --------------------------------------------------------------
+
+
 _POINTS = 96
 _STEP_M = 0.0005
 

@@ -15,6 +15,9 @@ from pirate_sm.core._geometry.network import BRANCH, Network, Piece, port_of
 from pirate_sm.core._geometry.placement import place
 from pirate_sm.core._geometry.space import Frame, Vector
 
+# --- joints -----------------------------------------------------------------------------------
+
+
 JointKind: TypeAlias = Literal["mitre", "elbow", "tee", "reducer"]
 JointOrEnd: TypeAlias = Literal["mitre", "elbow", "tee", "reducer", "end"]
 """What may be ahead of a robot on its route: a joint, or where the pipe ends."""
@@ -139,6 +142,9 @@ def _tee(
 def _towards(piece: Piece, direction: Vector) -> float:
     """Return the roll of a direction at the end of a piece."""
     return piece.frame_at(piece.ends_m).roll_of(direction)
+
+
+# --- the route --------------------------------------------------------------------------------
 
 
 _SAME_RAD = 1e-9

@@ -29,6 +29,9 @@ from pirate_sm.core._geometry.space import (
     scaled,
 )
 
+# --- walls ------------------------------------------------------------------------------------
+
+
 Ring: TypeAlias = tuple[Vector, ...]
 Rings: TypeAlias = tuple[Ring, ...]
 
@@ -208,6 +211,9 @@ def _collar(frame: Frame, along_m: float, branch_m: float) -> Rings:
 def _cap(frame: Frame, radius_m: float) -> Rings:
     """Return the disc that closes an end."""
     return _ring(frame, radius_m, None), (frame.origin,) * AROUND
+
+
+# --- views ------------------------------------------------------------------------------------
 
 
 Outline: TypeAlias = tuple[Place, ...]

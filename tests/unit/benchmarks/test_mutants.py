@@ -19,7 +19,7 @@ def test_a_file_is_tried_by_the_tests_that_mirror_it_and_then_by_those_next_to_t
 
     mirror, next_to_it, _ = nearby("pirate_sm/core/_engine/resuming/resumption.py")
 
-    assert (mirror, next_to_it) == ([f"{folder}/test_entry.py"], [folder])
+    assert (mirror, next_to_it) == ([f"{folder}/test_resumption.py"], [folder])
     assert nearby("pirate_sm/core/_engine/resuming/no_test.py")[0] == [folder]
     assert nearby("pirate_sm/core/_engine/gliding/no_tests/file.py")[0] == [
         "tests/unit/core/_engine/gliding"

@@ -40,6 +40,9 @@ from pirate_sm.core._engine.state import EngineState, MissionState
 from pirate_sm.core._expressions import Expression, tree
 from pirate_sm.core._expressions.compiler import Code, code_of, never_true, words_in
 
+# --- conditions as code -----------------------------------------------------------------------
+
+
 Words = Sequence[str | None]
 
 ANY_BOARD = -1
@@ -105,6 +108,9 @@ class Codes:
         if code is None:
             code = self._known[own, seen] = code_of(expression.tree, words)
         return code
+
+
+# --- the command under way --------------------------------------------------------------------
 
 
 def command_conditions(
@@ -199,6 +205,9 @@ def _has_moved(loop: RunningPositionLoop, share_of: int, value: float) -> tree.N
 
 def _condition(node: tree.Node, holds: bool) -> Condition:
     return Condition(code_of(node), holds, ANY_BOARD)
+
+
+# --- all of a run -----------------------------------------------------------------------------
 
 
 class Lookout:

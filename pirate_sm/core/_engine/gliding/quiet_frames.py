@@ -19,6 +19,8 @@ from pirate_sm.core._model.frame_block import FrameBlock
 from pirate_sm.core._model.trail import Trail
 from pirate_sm.core._model.word_watch import Look
 
+# --- what must stay true ----------------------------------------------------------------------
+
 
 class Condition(NamedTuple):
     """A condition that a frame must leave as it is.
@@ -62,8 +64,7 @@ class Watch(NamedTuple):
 
     A frame is quiet if its values are plausible, if it comes before the deadline and in time after
     the board's last one, if every condition of its board is as before, and if every loop gives
-    the duty that was sent last. It changes nothing but
-    :class:`~pirate_sm.core._engine.gliding.quiet_frames`.
+    the duty that was sent last. It changes nothing but :class:`Glided`.
 
     Attributes:
         robot: The robot.
@@ -106,6 +107,9 @@ class Watch(NamedTuple):
     word_until_s: float
     alarm_s: float
     listening_s: float
+
+
+# --- what is so after them --------------------------------------------------------------------
 
 
 class Glided(NamedTuple):

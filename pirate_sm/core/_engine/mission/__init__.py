@@ -1,1 +1,1 @@
-"""The running mission: its program, its interpreter, pauses, faults, operator requests, its end."""
+"""The running mission: its program, its interpreter, its flow, its end, and plans of commands."""

@@ -27,79 +27,23 @@ from pirate_sm.core._model.unmet_words import with_unmet
 SAFE_STOP_LIMIT_S = 2.0
 """How long the run waits for the safe array's confirmation before it ends without it."""
 
-
-def withdraw(moment: Moment, state: EngineState) -> None:
-    """Withdraw the open question to the operator, if there is one."""
-    mission = state.mission
-    if mission.begun and isinstance(moment.program.instructions[mission.pc], Question):
-        moment.emit(Ask("", ()))
+TAKEN_OVER = "the operator took over"
 
 
-def end_by_fault(
-    moment: Moment, state: EngineState, code: str, message: str, of: tuple[str, ...] = ()
-) -> EngineState:
-    """Report the fault and end the run because of it."""
-    moment.emit(Fault(code, message, "stop", of))
-    return end(moment, state, "fault", f"{code}: {message}")
+# --- another instruction ----------------------------------------------------------------------
 
 
-def end(
-    moment: Moment, state: EngineState, outcome: Outcome, message: str, name: str = ""
-) -> EngineState:
-    """Send the safe array, or end the run at once if nothing was ever sent (rule 11).
-
-    Args:
-        moment: The time, the robot and program, and the effects so far.
-        state: The state; if the run is ending already, only that is continued.
-        outcome: How the run ends.
-        message: Why, in one sentence.
-        name: Name of the mission's end, if it has reached one.
-    """
-    if state.mission.ending or state.mission.ended:
-        return state
-    withdraw(moment, state)
-    robot = state.robot
-    if robot.motion is not None:
-        motion = robot.motion
-        command = moment.robot.commands[motion.command].name
-        unmet = unmet_conditions(moment, robot, state.sensing)
-        reason = with_unmet("the mission ended", unmet)
-        moment.emit(CommandStatus(command, "failed", reason, motion.place, unmet))
-        robot = doubt_grip(moment.robot, robot)._replace(motion=None)
-    if not robot.sent and _may_stay(moment, state):
-        moment.emit(Ended(outcome, message, name))
-        return state._replace(mission=state.mission._replace(ended=True), robot=robot)
-    doubted = commands.doubt(moment.robot, robot)
-    if doubted.marks != state.robot.marks:
-        moment.emit(robot_state.state_change(moment.robot, doubted))
-    robot = commands.stop(moment, doubted, state.sensing)
-    ending = Ending(outcome, message, name, moment.now_s + SAFE_STOP_LIMIT_S)
-    return state._replace(robot=robot, mission=state.mission._replace(ending=ending))
+def go(state: EngineState, target: int) -> EngineState:
+    """Return the state with the mission at another instruction."""
+    return state._replace(mission=moved(state.mission, target))
 
 
-def _may_stay(moment: Moment, state: EngineState) -> bool:
-    """Return whether a robot to which nothing was sent may end without the safe array.
-
-    During the start check the safe array could actuate clamps that do not hold. Wheels that are
-    declared to be driven are stopped nevertheless.
-    """
-    if moment.program.start_configuration == moment.robot.table.initial:
-        return True
-    return state.look is not None and not moment.robot.driven[state.robot.configuration]
-
-
-def finish(moment: Moment, state: EngineState) -> EngineState:
-    """End the run once the safe array is confirmed, rejected or timed out."""
-    ending = state.mission.ending
-    if ending is None:
-        return state
-    message = ending.message
-    if state.robot.flight is not None:
-        if not has_come(moment.now_s, ending.give_up_s):
-            return state
-        message += " (the safe setpoints were not confirmed)"
-    moment.emit(Ended(ending.outcome, message, ending.end))
-    return state._replace(mission=state.mission._replace(ended=True))
+def moved(mission: MissionState, target: int) -> MissionState:
+    """Return the mission at another instruction; a single step ends there with a pause."""
+    mission = mission.at(target)
+    if mission.one_step:
+        return mission._replace(one_step=False, pause_wanted=True)
+    return mission
 
 
 def fail(moment: Moment, state: EngineState, cause: str, target: int) -> EngineState:
@@ -118,20 +62,7 @@ def fail(moment: Moment, state: EngineState, cause: str, target: int) -> EngineS
     return state._replace(mission=moved(mission, target))
 
 
-def moved(mission: MissionState, target: int) -> MissionState:
-    """Return the mission at another instruction; a single step ends there with a pause."""
-    mission = mission.at(target)
-    if mission.one_step:
-        return mission._replace(one_step=False, pause_wanted=True)
-    return mission
-
-
-def go(state: EngineState, target: int) -> EngineState:
-    """Return the state with the mission at another instruction."""
-    return state._replace(mission=moved(state.mission, target))
-
-
-TAKEN_OVER = "the operator took over"
+# --- pauses -----------------------------------------------------------------------------------
 
 
 def want_pause(state: EngineState) -> EngineState:
@@ -142,6 +73,93 @@ def want_pause(state: EngineState) -> EngineState:
     if mission.paused or mission.ending:
         return state._replace(mission=mission._replace(sight_until_s=inf))
     return state._replace(mission=mission._replace(pause_wanted=True, sight_until_s=inf))
+
+
+def pause_if_wanted(moment: Moment, state: EngineState) -> EngineState:
+    """Begin a requested pause, unless an array is still awaited."""
+    mission, body = state.mission, state.robot
+    if not mission.pause_wanted or mission.ending or mission.diverting or body.awaited:
+        return state
+    return pause(moment, state)
+
+
+def pause(moment: Moment, state: EngineState) -> EngineState:
+    """Begin a pause now: stop the wheels and all loops, and freeze deadlines."""
+    mission, body = state.mission, state.robot
+    before = BeforePause(body.values, body.loops, body.configuration, body.motion is not None)
+    if not robot_state.is_safe(moment.robot, body):
+        doubted = commands.doubt(moment.robot, body)
+        before = before._replace(doubts=doubted.marks - body.marks)
+        if before.doubts:
+            moment.emit(robot_state.state_change(moment.robot, doubted))
+        body = commands.stop(moment, doubted, state.sensing)
+    moment.emit(Log("info", "paused: wheels stopped, deadlines frozen"))
+    paused = mission._replace(pause_wanted=False, paused_s=moment.now_s, before_pause=before)
+    return state._replace(robot=body, mission=paused)
+
+
+def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState:
+    """Resume the mission where it was; the pause shifts all deadlines by its length.
+
+    The mission stays paused if the configuration has changed, because its earlier actuation must
+    not be restored there. It also stays paused while a command of the operator is under way.
+    """
+    mission, body = state.mission, state.robot
+    before = mission.before_pause
+    if before is None:
+        return state._replace(mission=mission._replace(pause_wanted=one_step))
+    obstacle = why_not_on(state) or _missing(moment, state)
+    if obstacle:
+        moment.warn(f"still paused: {obstacle}")
+        return state
+    length = moment.now_s - mission.paused_s
+    if body.motion is not None:
+        motion = body.motion._replace(
+            accepted_s=body.motion.accepted_s + length,
+            deadline_s=body.motion.deadline_s + length,
+            since_s=nan,
+            settled_s=nan,
+        )
+        body = body._replace(motion=motion)
+    body = commands.reassert(moment, body, before.values, before.loops)
+    if body.marks & before.doubts:
+        body = body._replace(marks=body.marks - before.doubts)
+        moment.emit(robot_state.state_change(moment.robot, body))
+    moment.emit(Log("info", "resumed"))
+    running = _running(moment, mission)._replace(one_step=one_step)
+    return state._replace(robot=body, mission=running)
+
+
+def _running(moment: Moment, mission: MissionState) -> MissionState:
+    """Return a paused mission that runs again, with all its deadlines later by the pause."""
+    offset_s = mission.offset_s + moment.now_s - mission.paused_s
+    return mission._replace(paused_s=nan, offset_s=offset_s, before_pause=None, sight_until_s=inf)
+
+
+def why_not_on(state: EngineState) -> str:
+    """Return why a paused mission cannot resume where it was; empty if it can or is not paused."""
+    before, body = state.mission.before_pause, state.robot
+    if before is None:
+        return ""
+    if state.look is not None and state.look.before is not None:
+        return confirmation.LOOKING
+    if body.awaited:
+        return "setpoints are in flight"
+    if body.configuration != before.configuration:
+        return "the configuration has been changed"
+    if body.motion is not None and not before.suspended:
+        return "a command is under way"
+    return ""
+
+
+def _missing(moment: Moment, state: EngineState) -> str:
+    """Return the rules that a paused mission would break by resuming now; empty if none."""
+    before, body = state.mission.before_pause, state.robot
+    if before is None:
+        return ""
+    resumed = body._replace(values=commands.kept(body, before.values))
+    here, there = (rules.broken(moment, state.rules, each) for each in (body, resumed))
+    return "; ".join(rules.said(rule) for rule in there if rule not in here)
 
 
 def pause_until_seen(moment: Moment, state: EngineState) -> EngineState:
@@ -181,29 +199,6 @@ def await_sight(moment: Moment, state: EngineState) -> EngineState:
     elif missing or (steps and confirmation.as_last_seen(body) != body):
         return state
     return resume(moment, state, one_step=mission.one_step)
-
-
-def pause_if_wanted(moment: Moment, state: EngineState) -> EngineState:
-    """Begin a requested pause, unless an array is still awaited."""
-    mission, body = state.mission, state.robot
-    if not mission.pause_wanted or mission.ending or mission.diverting or body.awaited:
-        return state
-    return pause(moment, state)
-
-
-def pause(moment: Moment, state: EngineState) -> EngineState:
-    """Begin a pause now: stop the wheels and all loops, and freeze deadlines."""
-    mission, body = state.mission, state.robot
-    before = BeforePause(body.values, body.loops, body.configuration, body.motion is not None)
-    if not robot_state.is_safe(moment.robot, body):
-        doubted = commands.doubt(moment.robot, body)
-        before = before._replace(doubts=doubted.marks - body.marks)
-        if before.doubts:
-            moment.emit(robot_state.state_change(moment.robot, doubted))
-        body = commands.stop(moment, doubted, state.sensing)
-    moment.emit(Log("info", "paused: wheels stopped, deadlines frozen"))
-    paused = mission._replace(pause_wanted=False, paused_s=moment.now_s, before_pause=before)
-    return state._replace(robot=body, mission=paused)
 
 
 def forget_actuation(mission: MissionState, body: RobotState) -> MissionState:
@@ -269,68 +264,7 @@ def why_not_to(program: Program, state: EngineState, phase: str) -> str:
     return ""
 
 
-def _missing(moment: Moment, state: EngineState) -> str:
-    """Return the rules that a paused mission would break by resuming now; empty if none."""
-    before, body = state.mission.before_pause, state.robot
-    if before is None:
-        return ""
-    resumed = body._replace(values=commands.kept(body, before.values))
-    here, there = (rules.broken(moment, state.rules, each) for each in (body, resumed))
-    return "; ".join(rules.said(rule) for rule in there if rule not in here)
-
-
-def why_not_on(state: EngineState) -> str:
-    """Return why a paused mission cannot resume where it was; empty if it can or is not paused."""
-    before, body = state.mission.before_pause, state.robot
-    if before is None:
-        return ""
-    if state.look is not None and state.look.before is not None:
-        return confirmation.LOOKING
-    if body.awaited:
-        return "setpoints are in flight"
-    if body.configuration != before.configuration:
-        return "the configuration has been changed"
-    if body.motion is not None and not before.suspended:
-        return "a command is under way"
-    return ""
-
-
-def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState:
-    """Resume the mission where it was; the pause shifts all deadlines by its length.
-
-    The mission stays paused if the configuration has changed, because its earlier actuation must
-    not be restored there. It also stays paused while a command of the operator is under way.
-    """
-    mission, body = state.mission, state.robot
-    before = mission.before_pause
-    if before is None:
-        return state._replace(mission=mission._replace(pause_wanted=one_step))
-    obstacle = why_not_on(state) or _missing(moment, state)
-    if obstacle:
-        moment.warn(f"still paused: {obstacle}")
-        return state
-    length = moment.now_s - mission.paused_s
-    if body.motion is not None:
-        motion = body.motion._replace(
-            accepted_s=body.motion.accepted_s + length,
-            deadline_s=body.motion.deadline_s + length,
-            since_s=nan,
-            settled_s=nan,
-        )
-        body = body._replace(motion=motion)
-    body = commands.reassert(moment, body, before.values, before.loops)
-    if body.marks & before.doubts:
-        body = body._replace(marks=body.marks - before.doubts)
-        moment.emit(robot_state.state_change(moment.robot, body))
-    moment.emit(Log("info", "resumed"))
-    running = _running(moment, mission)._replace(one_step=one_step)
-    return state._replace(robot=body, mission=running)
-
-
-def _running(moment: Moment, mission: MissionState) -> MissionState:
-    """Return a paused mission that runs again, with all its deadlines later by the pause."""
-    offset_s = mission.offset_s + moment.now_s - mission.paused_s
-    return mission._replace(paused_s=nan, offset_s=offset_s, before_pause=None, sight_until_s=inf)
+# --- faults -----------------------------------------------------------------------------------
 
 
 def meet(moment: Moment, state: EngineState, fault: FoundFault) -> EngineState:
@@ -406,3 +340,80 @@ def divert(moment: Moment, state: EngineState) -> EngineState:
     return state._replace(
         mission=mission._replace(diverting=None, stopped=False, handling=handler.go_name)
     )
+
+
+# --- the end ----------------------------------------------------------------------------------
+
+
+def end(
+    moment: Moment, state: EngineState, outcome: Outcome, message: str, name: str = ""
+) -> EngineState:
+    """Send the safe array, or end the run at once if nothing was ever sent (rule 11).
+
+    Args:
+        moment: The time, the robot and program, and the effects so far.
+        state: The state; if the run is ending already, only that is continued.
+        outcome: How the run ends.
+        message: Why, in one sentence.
+        name: Name of the mission's end, if it has reached one.
+    """
+    if state.mission.ending or state.mission.ended:
+        return state
+    withdraw(moment, state)
+    robot = state.robot
+    if robot.motion is not None:
+        motion = robot.motion
+        command = moment.robot.commands[motion.command].name
+        unmet = unmet_conditions(moment, robot, state.sensing)
+        reason = with_unmet("the mission ended", unmet)
+        moment.emit(CommandStatus(command, "failed", reason, motion.place, unmet))
+        robot = doubt_grip(moment.robot, robot)._replace(motion=None)
+    if not robot.sent and _may_stay(moment, state):
+        moment.emit(Ended(outcome, message, name))
+        return state._replace(mission=state.mission._replace(ended=True), robot=robot)
+    doubted = commands.doubt(moment.robot, robot)
+    if doubted.marks != state.robot.marks:
+        moment.emit(robot_state.state_change(moment.robot, doubted))
+    robot = commands.stop(moment, doubted, state.sensing)
+    ending = Ending(outcome, message, name, moment.now_s + SAFE_STOP_LIMIT_S)
+    return state._replace(robot=robot, mission=state.mission._replace(ending=ending))
+
+
+def end_by_fault(
+    moment: Moment, state: EngineState, code: str, message: str, of: tuple[str, ...] = ()
+) -> EngineState:
+    """Report the fault and end the run because of it."""
+    moment.emit(Fault(code, message, "stop", of))
+    return end(moment, state, "fault", f"{code}: {message}")
+
+
+def _may_stay(moment: Moment, state: EngineState) -> bool:
+    """Return whether a robot to which nothing was sent may end without the safe array.
+
+    During the start check the safe array could actuate clamps that do not hold. Wheels that are
+    declared to be driven are stopped nevertheless.
+    """
+    if moment.program.start_configuration == moment.robot.table.initial:
+        return True
+    return state.look is not None and not moment.robot.driven[state.robot.configuration]
+
+
+def withdraw(moment: Moment, state: EngineState) -> None:
+    """Withdraw the open question to the operator, if there is one."""
+    mission = state.mission
+    if mission.begun and isinstance(moment.program.instructions[mission.pc], Question):
+        moment.emit(Ask("", ()))
+
+
+def finish(moment: Moment, state: EngineState) -> EngineState:
+    """End the run once the safe array is confirmed, rejected or timed out."""
+    ending = state.mission.ending
+    if ending is None:
+        return state
+    message = ending.message
+    if state.robot.flight is not None:
+        if not has_come(moment.now_s, ending.give_up_s):
+            return state
+        message += " (the safe setpoints were not confirmed)"
+    moment.emit(Ended(ending.outcome, message, ending.end))
+    return state._replace(mission=state.mission._replace(ended=True))

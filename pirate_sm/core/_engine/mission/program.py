@@ -318,6 +318,9 @@ class Program:
         return next((each for each in self.handlers[at] if each.handles(code, things)), None)
 
 
+# --- where instructions lead ------------------------------------------------------------------
+
+
 def successors(program: Program, at: int, *, fires: bool = True) -> Iterator[int]:
     """Yield the targets of an instruction: those of success, of failures, of fault handlers.
 
@@ -370,6 +373,9 @@ def failures(program: Program, at: int) -> Iterator[int]:
     elif not isinstance(it, Enter | Say | Branch | Finish):
         yield it.failed
     yield from (each.go for each in program.handlers[at] if each.go is not None)
+
+
+# --- by which signals it decides anything -----------------------------------------------------
 
 
 _WITH_TEXT = (Finish, Raise, Say)

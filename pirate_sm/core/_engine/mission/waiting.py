@@ -23,108 +23,6 @@ from pirate_sm.core._model.effects import TAKEN, Ask, TriggerFired, WaitArmed
 from pirate_sm.core._model.fault_codes import BuiltInFault
 from pirate_sm.core._model.unmet_words import shown_words
 
-_LEAST_M, _SHARE = 0.020, 0.25
-"""A success by a distance needs a bound of at most this share of what was driven for it, and never
-less than the first [decided]. A mission asks for more by ``known within``."""
-
-
-def counted(moment: Moment, state: EngineState) -> Counted:
-    """Return the distance as it is now, from which later ones can count."""
-    at, memory = moment.robot.odometry, state.sensing.distance
-    odometry_m = state.sensing.numbers[at] if at >= 0 else 0.0
-    late_m = max(0.0, memory.late_m - BASE_M)
-    return Counted(odometry_m, memory.width_m, memory.rolled_m, late_m)
-
-
-def claim_of(moment: Moment, state: EngineState, trigger: TriggerSpec) -> Counted | None:
-    """Return from where the distance counts that the mission claims after this trigger has fired.
-
-    None where it claims none: a word of the detector says anew where the robot is. What else a
-    trigger has asked for leaves the claim of before.
-    """
-    robot, names = moment.robot, trigger.condition.names if trigger.condition else frozenset()
-    odometry = robot.vocabulary.numbers[robot.odometry] if robot.odometry >= 0 else ""
-    if change_of(odometry) in names:
-        return state.mission.counts_from
-    if odometry in names:
-        return Counted()
-    return None if OUTSIDE[0] in names else state.mission.claim
-
-
-def met_unknown(moment: Moment, state: EngineState, within_m: float = inf) -> EngineState | None:
-    """Return the state after the fault that the bound is too wide for what the mission claims.
-
-    None where it is not, and where the mission continues in spite of the fault.
-
-    Args:
-        moment: The time, the robot and program, and the effects so far.
-        state: The state.
-        within_m: The bound that the mission asks for.
-    """
-    claim, bounded = state.mission.claim, state.sensing.distance.every_s > 0.0
-    if claim is None or not bounded:  # a trace, or a recording of before
-        return None
-    way_m, bound_m, limit_m = _driven(moment, state, claim)
-    limit_m = min(within_m, limit_m)
-    if bound_m <= limit_m:
-        return None
-    message = f"the wheels show {way_m * 1000:.0f} mm, but the robot may be {bound_m * 1000:.0f} mm"
-    message += f" from there; this must be known within {limit_m * 1000:.0f} mm"
-    met = meet(moment, state, FoundFault.built_in(BuiltInFault.DISTANCE_UNKNOWN, message))
-    return None if met.mission is state.mission else met
-
-
-def with_measured(moment: Moment, state: EngineState, text: str, no_cause: str = "") -> str:
-    """Return a text of the mission, with the last cause and what it has driven as measured.
-
-    What was asked for is not what was measured: a brake that comes late adds to the way.
-    """
-    text = text.replace("{cause}", state.mission.cause or no_cause)
-    if DRIVEN not in text:
-        return text
-    since = state.mission.claim or state.mission.counts_from
-    way_m, bound_m, limit_m = _driven(moment, state, since)
-    bounded = state.sensing.distance.every_s > 0.0
-    driven = f"{way_m * 1000:z.0f} ± {ceil(bound_m * 1000)} mm" if bounded else ""
-    if isnan(way_m) or (bounded and bound_m > limit_m):
-        driven = "an unknown distance"
-    return text.replace(DRIVEN, driven or f"{way_m * 1000:z.0f} mm")
-
-
-def _driven(moment: Moment, state: EngineState, since: Counted) -> tuple[float, float, float]:
-    """Return the distance driven since then, its bound, and the largest bound of a success, m."""
-    now = counted(moment, state)
-    limit_m = max(_LEAST_M, _SHARE * (now.rolled_m - since.rolled_m))
-    bound_m = state.sensing.distance.bound_m - since.width_m + since.late_m
-    return now.odometry_m - since.odometry_m, bound_m, limit_m
-
-
-def next_deadline(moment: Moment, state: EngineState) -> float:
-    """Return the next time at which the mission continues without an event, in run time."""
-    mission = state.mission
-    if mission.ending:
-        return mission.ending.give_up_s
-    if mission.paused or mission.ended:
-        # Neither during a comparison nor before the fate of an array is known does it go on.
-        held_up = state.look is not None or state.robot.awaited is not None
-        return inf if held_up else mission.sight_until_s
-    deadline = moment.program.time_limit_s
-    instruction = moment.program.instructions[mission.pc]
-    if mission.diverting or mission.pause_wanted:
-        pass  # the result of the array in flight comes first
-    elif mission.begun and isinstance(instruction, Wait):
-        deadline = min(deadline, mission.armed_s + instruction.within_s)
-        for trigger, since in zip(instruction.triggers, mission.since, strict=True):
-            if trigger.after_s is not None:
-                deadline = min(deadline, mission.armed_s + trigger.after_s)
-            elif not isnan(since):
-                deadline = min(deadline, since + trigger.held_s)
-    elif mission.begun and isinstance(instruction, Question | SwitchControl):
-        switches = isinstance(instruction, SwitchControl)
-        counts = not switches or state.robot.awaited is None  # the array's fate comes first
-        deadline = min(deadline, mission.armed_s + instruction.timeout_s) if counts else deadline
-    return deadline + mission.offset_s
-
 
 def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
     """Arm a wait, and continue once a trigger fires or the time limit has passed."""
@@ -262,3 +160,109 @@ def _shown(moment: Moment, state: EngineState, it: Wait, trigger: TriggerSpec) -
         words = shown_words(shown, with_change=it.compares)
         found[f"{shown.signal} {words}"] = None
     return list(found)
+
+
+def next_deadline(moment: Moment, state: EngineState) -> float:
+    """Return the next time at which the mission continues without an event, in run time."""
+    mission = state.mission
+    if mission.ending:
+        return mission.ending.give_up_s
+    if mission.paused or mission.ended:
+        # Neither during a comparison nor before the fate of an array is known does it go on.
+        held_up = state.look is not None or state.robot.awaited is not None
+        return inf if held_up else mission.sight_until_s
+    deadline = moment.program.time_limit_s
+    instruction = moment.program.instructions[mission.pc]
+    if mission.diverting or mission.pause_wanted:
+        pass  # the result of the array in flight comes first
+    elif mission.begun and isinstance(instruction, Wait):
+        deadline = min(deadline, mission.armed_s + instruction.within_s)
+        for trigger, since in zip(instruction.triggers, mission.since, strict=True):
+            if trigger.after_s is not None:
+                deadline = min(deadline, mission.armed_s + trigger.after_s)
+            elif not isnan(since):
+                deadline = min(deadline, since + trigger.held_s)
+    elif mission.begun and isinstance(instruction, Question | SwitchControl):
+        switches = isinstance(instruction, SwitchControl)
+        counts = not switches or state.robot.awaited is None  # the array's fate comes first
+        deadline = min(deadline, mission.armed_s + instruction.timeout_s) if counts else deadline
+    return deadline + mission.offset_s
+
+
+# --- what a mission claims by a distance, and whether its bound bears that --------------------
+
+
+_LEAST_M, _SHARE = 0.020, 0.25
+"""A success by a distance needs a bound of at most this share of what was driven for it, and never
+less than the first [decided]. A mission asks for more by ``known within``."""
+
+
+def claim_of(moment: Moment, state: EngineState, trigger: TriggerSpec) -> Counted | None:
+    """Return from where the distance counts that the mission claims after this trigger has fired.
+
+    None where it claims none: a word of the detector says anew where the robot is. What else a
+    trigger has asked for leaves the claim of before.
+    """
+    robot, names = moment.robot, trigger.condition.names if trigger.condition else frozenset()
+    odometry = robot.vocabulary.numbers[robot.odometry] if robot.odometry >= 0 else ""
+    if change_of(odometry) in names:
+        return state.mission.counts_from
+    if odometry in names:
+        return Counted()
+    return None if OUTSIDE[0] in names else state.mission.claim
+
+
+def counted(moment: Moment, state: EngineState) -> Counted:
+    """Return the distance as it is now, from which later ones can count."""
+    at, memory = moment.robot.odometry, state.sensing.distance
+    odometry_m = state.sensing.numbers[at] if at >= 0 else 0.0
+    late_m = max(0.0, memory.late_m - BASE_M)
+    return Counted(odometry_m, memory.width_m, memory.rolled_m, late_m)
+
+
+def met_unknown(moment: Moment, state: EngineState, within_m: float = inf) -> EngineState | None:
+    """Return the state after the fault that the bound is too wide for what the mission claims.
+
+    None where it is not, and where the mission continues in spite of the fault.
+
+    Args:
+        moment: The time, the robot and program, and the effects so far.
+        state: The state.
+        within_m: The bound that the mission asks for.
+    """
+    claim, bounded = state.mission.claim, state.sensing.distance.every_s > 0.0
+    if claim is None or not bounded:  # a trace, or a recording of before
+        return None
+    way_m, bound_m, limit_m = _driven(moment, state, claim)
+    limit_m = min(within_m, limit_m)
+    if bound_m <= limit_m:
+        return None
+    message = f"the wheels show {way_m * 1000:.0f} mm, but the robot may be {bound_m * 1000:.0f} mm"
+    message += f" from there; this must be known within {limit_m * 1000:.0f} mm"
+    met = meet(moment, state, FoundFault.built_in(BuiltInFault.DISTANCE_UNKNOWN, message))
+    return None if met.mission is state.mission else met
+
+
+def with_measured(moment: Moment, state: EngineState, text: str, no_cause: str = "") -> str:
+    """Return a text of the mission, with the last cause and what it has driven as measured.
+
+    What was asked for is not what was measured: a brake that comes late adds to the way.
+    """
+    text = text.replace("{cause}", state.mission.cause or no_cause)
+    if DRIVEN not in text:
+        return text
+    since = state.mission.claim or state.mission.counts_from
+    way_m, bound_m, limit_m = _driven(moment, state, since)
+    bounded = state.sensing.distance.every_s > 0.0
+    driven = f"{way_m * 1000:z.0f} ± {ceil(bound_m * 1000)} mm" if bounded else ""
+    if isnan(way_m) or (bounded and bound_m > limit_m):
+        driven = "an unknown distance"
+    return text.replace(DRIVEN, driven or f"{way_m * 1000:z.0f} mm")
+
+
+def _driven(moment: Moment, state: EngineState, since: Counted) -> tuple[float, float, float]:
+    """Return the distance driven since then, its bound, and the largest bound of a success, m."""
+    now = counted(moment, state)
+    limit_m = max(_LEAST_M, _SHARE * (now.rolled_m - since.rolled_m))
+    bound_m = state.sensing.distance.bound_m - since.width_m + since.late_m
+    return now.odometry_m - since.odometry_m, bound_m, limit_m

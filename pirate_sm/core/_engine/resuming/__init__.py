@@ -1,7 +1,7 @@
 """Resume a mission after a crash: what may be so, what sensors show, where it continues.
 
 Everything here is pure. :func:`.hypotheses.hypotheses` lists where the robot may be,
-:func:`.reconciling.reconcile` compares that with what the boards show, :func:`.entry.entry` says
-where the mission goes on, and :func:`.resumption.resumption` puts both together for
-``Engine.start``.
+:func:`.reconciling.reconcile` compares that with what the boards show, and
+:func:`.resumption.resumption` says where the mission goes on, and with what ``Engine.start`` starts
+it.
 """

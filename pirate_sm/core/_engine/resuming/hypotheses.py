@@ -113,9 +113,6 @@ def denied(
             yield mark
 
 
-# --- inside ---------------------------------------------------------------------------------
-
-
 def _after(robot: RobotSpec, body: RobotState, flight: Flight, motion: Motion) -> RobotState:
     """Return the robot after the acceptance of a command's first array."""
     return body._replace(
@@ -139,6 +136,9 @@ def _at_rest(robot: RobotSpec, program: Program, last: EngineState, body: RobotS
         control=body.control,
     )
     return rest._replace(marks=frozenset(denied(robot, program, last, rest)))
+
+
+# --- how far it has driven --------------------------------------------------------------------
 
 
 class DarkWay(NamedTuple):

@@ -162,9 +162,6 @@ def resumed_program(program: Program, it: Entry) -> Program:
     )
 
 
-# --- inside ---------------------------------------------------------------------------------
-
-
 def _goal(program: Program, pc: int) -> int:
     """Return the instruction to which the restoring commands of an earlier resumption lead."""
     it = program.instructions[pc]
@@ -247,10 +244,13 @@ def _turns(robot: RobotSpec, body: RobotState) -> bool:
     return any(body.values[slot] for slot in robot.safe_zero)
 
 
+# --- with what it starts ----------------------------------------------------------------------
+
+
 class Resumption(NamedTuple):
     """With what a mission goes on; ``Engine.start`` takes it, with :attr:`program` as its program.
 
-    All of it is plain data that a recording can hold as text; :func:`.entry.resumed_program` makes
+    All of it is plain data that a recording can hold as text; :func:`resumed_program` makes
     the program again from the entry and the program of the run before.
 
     Attributes:
@@ -313,7 +313,7 @@ def resumption(
         last_s: When that was, s.
         hypothesis: Where the robot is taken to be.
         way: How far it has driven since, as its wheels show or a person says.
-        at: Where to go on: ``here``, ``failure`` or a phase, see :func:`.entry.entry`.
+        at: Where to go on: ``here``, ``failure`` or a phase, see :func:`entry`.
     """
     lost = {wheel.angle for wheel in robot.wheels} - way.seen
     if not way.exact:
@@ -336,6 +336,9 @@ def resumption(
         mission.counts_from,
         mission.claim,
     )
+
+
+# --- what it still depends on and nobody knows ------------------------------------------------
 
 
 def unknowns(robot: RobotSpec, program: Program, table: VerdictTable) -> tuple[str, ...]:

@@ -1,1 +1,1 @@
-"""The commanded robot: its chart, its commands, and the criteria that confirm them."""
+"""The commanded robot: its chart, its commands with setpoints and loops, and what confirms them."""

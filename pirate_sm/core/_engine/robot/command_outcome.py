@@ -171,6 +171,9 @@ def _is_so(names: Configuration, spec: CommandSpec, unknown: set[int]) -> bool:
     return spec.asks_for is not None and spec.asks_for.evaluate((), words) is True
 
 
+# --- what a command requires in general, and where it leads -----------------------------------
+
+
 States: TypeAlias = tuple[str, ...]
 
 Need: TypeAlias = Mapping[int, States]

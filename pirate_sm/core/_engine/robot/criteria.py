@@ -12,43 +12,7 @@ from dataclasses import dataclass, field
 from math import inf, isnan, nan
 from typing import Literal, NamedTuple, TypeAlias
 
-Source: TypeAlias = Literal["sensor", "echo", "person", "assumption", "nothing"]
-"""What has shown something. An echo shows that an array has arrived, never what it has moved."""
-
-SHOWN: Mapping[Source, str] = {
-    "sensor": "shown by sensors",
-    "echo": "setpoints confirmed",
-    "person": "declared",
-    "assumption": "assumed",
-    "nothing": "shown by nothing",
-}
-"""How each source has shown something, for people."""
-
-
-class Evidence(NamedTuple):
-    """The evidence of one state, signal or place.
-
-    Attributes:
-        at_s: When it was shown, by the engine's clock; NaN if nothing has shown it.
-        connection: In which connection, see :attr:`.Sensing.connection`.
-    """
-
-    source: Source
-    at_s: float
-    connection: int
-
-    def age_s(self, now_s: float) -> float:
-        """Return how old it is, s; NaN if nothing has shown it."""
-        return now_s - self.at_s
-
-    def in_words(self, now_s: float) -> str:
-        """Return it for people, with its age."""
-        ago = "" if isnan(self.at_s) else f" {self.age_s(now_s):.1f} s ago"
-        return f"{SHOWN[self.source]}{ago}"
-
-
-NOTHING = Evidence("nothing", nan, 0)
-"""Nothing has shown it."""
+# --- commands that are done -------------------------------------------------------------------
 
 
 class AcceptedSpec(NamedTuple):
@@ -154,6 +118,9 @@ def settled_of(criterion: CriterionSpec) -> CriterionSpec | None:
     return criterion.settled if isinstance(criterion, StalledSpec | ReachedSpec) else None
 
 
+# --- declared states --------------------------------------------------------------------------
+
+
 class LoadedJoint(NamedTuple):
     """A joint of a held part: its slot, and the number indexes of its torque and rate.
 
@@ -253,3 +220,46 @@ class Sight:
     parts: tuple[HeldSpec | None, ...] = ()
     states: tuple[Mapping[str, SeenSpec], ...] = ()
     dark: DarkSpec = field(default_factory=DarkSpec)
+
+
+# --- evidence ---------------------------------------------------------------------------------
+
+
+Source: TypeAlias = Literal["sensor", "echo", "person", "assumption", "nothing"]
+"""What has shown something. An echo shows that an array has arrived, never what it has moved."""
+
+
+SHOWN: Mapping[Source, str] = {
+    "sensor": "shown by sensors",
+    "echo": "setpoints confirmed",
+    "person": "declared",
+    "assumption": "assumed",
+    "nothing": "shown by nothing",
+}
+"""How each source has shown something, for people."""
+
+
+class Evidence(NamedTuple):
+    """The evidence of one state, signal or place.
+
+    Attributes:
+        at_s: When it was shown, by the engine's clock; NaN if nothing has shown it.
+        connection: In which connection, see :attr:`.Sensing.connection`.
+    """
+
+    source: Source
+    at_s: float
+    connection: int
+
+    def age_s(self, now_s: float) -> float:
+        """Return how old it is, s; NaN if nothing has shown it."""
+        return now_s - self.at_s
+
+    def in_words(self, now_s: float) -> str:
+        """Return it for people, with its age."""
+        ago = "" if isnan(self.at_s) else f" {self.age_s(now_s):.1f} s ago"
+        return f"{SHOWN[self.source]}{ago}"
+
+
+NOTHING = Evidence("nothing", nan, 0)
+"""Nothing has shown it."""

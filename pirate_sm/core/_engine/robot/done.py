@@ -278,6 +278,9 @@ def not_done(criterion: CriterionSpec) -> str:
     return _IN_WORDS[type(criterion)][1]
 
 
+# --- what a command lacks that is not done, and what sensors show instead ---------------------
+
+
 def unmet_conditions(moment: Moment, state: RobotState, sensing: Sensing) -> tuple[Unmet, ...]:
     """Return what the command under way waits for and the sensors do not show.
 

@@ -32,9 +32,12 @@ class Circumstances(NamedTuple):
         now_s: When it is.
     """
 
-    numbers: tuple[float, ...]
+    numbers: Numbers
     pitch_rad: float = nan
     now_s: float = nan
+
+
+# --- how hard a clamped part must press (thesis eq. 3-16 to 3-25) -----------------------------
 
 
 LEAST_MARGIN = HELD_SAFETY
@@ -46,7 +49,7 @@ LEAST_FRICTION = 1e-3
 
 
 class Gripping(NamedTuple):
-    """What is remembered of the grip of a part.
+    """What is remembered of the grip of a part, which presses so that friction bears the robot.
 
     Attributes:
         torque_nm: Size of the torque that is asked of the apex.
@@ -120,8 +123,11 @@ def torque_nm(spec: GripSpec, friction: float, angle_rad: float, pitch_rad: floa
     return spec.share * 0.5 * reach_m * (across_n + along_n / max(friction, LEAST_FRICTION))
 
 
+# --- the loops --------------------------------------------------------------------------------
+
+
 class RunningPositionLoop(NamedTuple):
-    """A running position loop.
+    """A proportional loop that drives a joint to an angle (thesis section 4-2-3).
 
     Attributes:
         slot: The slot that it writes.
@@ -177,7 +183,7 @@ class RunningPositionLoop(NamedTuple):
 
 
 class RunningVelocityLoop(NamedTuple):
-    """A running velocity loop: u = target / no-load speed + integral.
+    """A loop that keeps a wheel at a speed: u = target / no-load speed + integral.
 
     The speed of a geared motor follows its duty within one frame, so the plant is nearly static.
     The loop therefore has no proportional term; each new frame corrects the integral.
@@ -231,7 +237,11 @@ class RunningVelocityLoop(NamedTuple):
 
 
 class RunningTorqueLoop(NamedTuple):
-    """A running torque loop.
+    """A loop that keeps a joint behind a self-locking worm at a torque, by its duty.
+
+    The series spring is the sensor and the worm is the memory: at duty 0 it keeps the torque
+    without a current. A motor that winds the spring needs the duty that bears the torque, and one
+    for the error.
 
     Attributes:
         slot: Whose duty it sets.
@@ -304,9 +314,9 @@ class RunningTorqueLoop(NamedTuple):
 
 
 class WheelTorqueLoop(NamedTuple):
-    """A running wheel torque loop: u = target / stall torque + speed / no-load speed.
+    """A loop that keeps the torque of a wheel: u = target / stall torque + speed / no-load speed.
 
-    A geared motor gives the torque ``stall torque * (u - speed / no-load speed)``, so the loop
+    By its characteristic a motor gives ``stall torque * (u - speed / no-load speed)``, so the loop
     makes up for the speed that the last frame showed.
 
     Attributes:
@@ -339,6 +349,9 @@ class WheelTorqueLoop(NamedTuple):
         torque_nm = self.target_nm + self.weight_nm
         duty = torque_nm / spec.stall_torque_nm + self.speed_rad_s / spec.no_load_rad_s
         return min(max(duty, -1.0), 1.0)
+
+
+# --- all of them ------------------------------------------------------------------------------
 
 
 Loop: TypeAlias = RunningPositionLoop | RunningVelocityLoop | RunningTorqueLoop | WheelTorqueLoop

@@ -326,6 +326,9 @@ def _others(robot: RobotSpec, body: RobotState, spec: HeldSpec) -> list[int]:
     return [each.diameter for each in sights if each is not None and each is not spec]
 
 
+# --- what has shown each state and clamp, and when --------------------------------------------
+
+
 Proofs = tuple[Evidence, ...]
 """The evidence of each region's state, then of each part's clamp."""
 

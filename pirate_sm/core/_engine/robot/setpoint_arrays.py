@@ -49,6 +49,8 @@ from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._model.effects import Setpoints
 from pirate_sm.core._model.events import SubmitResult
 
+# --- what a stage writes, and whether it has been reached -------------------------------------
+
 
 def stage_array(
     robot: RobotSpec,
@@ -257,6 +259,9 @@ def _write(
             values[write.slot] = quantised(
                 loop.duty(sensing.numbers, sensing.loss), slot.resolution
             )
+
+
+# --- submission -------------------------------------------------------------------------------
 
 
 def send(

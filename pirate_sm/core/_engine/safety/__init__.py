@@ -1,1 +1,1 @@
-"""Safety rules, and faults found in the signals."""
+"""Safety rules, faults found in the signals, and the start check against the sensors."""

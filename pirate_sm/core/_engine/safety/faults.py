@@ -17,35 +17,6 @@ from pirate_sm.core._engine.state import FaultState, Words
 from pirate_sm.core._model.events import ALPHABET_VERSION, EVIDENCE_ENDS, FaultReport
 from pirate_sm.core._model.fault_codes import BuiltInFault
 
-_FALSE_ALARM = 1e-6
-"""Probability per report that a board is taken for silent although it reports."""
-
-_UNTRIED = 0.5
-"""Loss assumed before the first report, of a line that changes 1 % of all bytes and loses 20 %."""
-
-LONGEST = 5.0
-"""Upper limit as a multiple of ``silent_after``: a silent board is found within it at any loss."""
-
-
-def silent_limit_s(link: LinkSpec, loss: float, reports: float = inf) -> float:
-    """Return how long a single board may be silent.
-
-    That is ``silent_after``, or on a lossy line the number of periods that makes a false alarm
-    rare, at most :data:`LONGEST` times ``silent_after``.
-
-    Args:
-        link: Timing of the link.
-        loss: The share of lost reports so far, a running mean that begins at 0.
-        reports: How many reports all boards have been due to send since then. While they are few,
-            the share says little, and the line may lose half.
-    """
-    loss += _UNTRIED * (1 - GAIN) ** reports
-    if loss <= 0:
-        return link.silent_after_s
-    patience_s = link.period_s * log(_FALSE_ALARM) / log(loss) if loss < 1 else inf
-    return min(max(link.silent_after_s, patience_s), LONGEST * link.silent_after_s)
-
-
 STARTS_AGAIN = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTED.code})
 """Faults after which all signals are unknown again, and counters may start at zero.
 
@@ -232,3 +203,37 @@ def listen(
         for board in robot.boards.values()
         if board.position in new
     )
+
+
+# --- how long a board may be silent where reports are lost ------------------------------------
+
+
+_FALSE_ALARM = 1e-6
+"""Probability per report that a board is taken for silent although it reports."""
+
+
+_UNTRIED = 0.5
+"""Loss assumed before the first report, of a line that changes 1 % of all bytes and loses 20 %."""
+
+
+LONGEST = 5.0
+"""Upper limit as a multiple of ``silent_after``: a silent board is found within it at any loss."""
+
+
+def silent_limit_s(link: LinkSpec, loss: float, reports: float = inf) -> float:
+    """Return how long a single board may be silent.
+
+    That is ``silent_after``, or on a lossy line the number of periods that makes a false alarm
+    rare, at most :data:`LONGEST` times ``silent_after``.
+
+    Args:
+        link: Timing of the link.
+        loss: The share of lost reports so far, a running mean that begins at 0.
+        reports: How many reports all boards have been due to send since then. While they are few,
+            the share says little, and the line may lose half.
+    """
+    loss += _UNTRIED * (1 - GAIN) ** reports
+    if loss <= 0:
+        return link.silent_after_s
+    patience_s = link.period_s * log(_FALSE_ALARM) / log(loss) if loss < 1 else inf
+    return min(max(link.silent_after_s, patience_s), LONGEST * link.silent_after_s)

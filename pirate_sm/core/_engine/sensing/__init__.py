@@ -1,1 +1,1 @@
-"""Convert raw values to SI signals, judge their plausibility, derive the pipe around the robot."""
+"""Convert raw values to SI signals, judge whether they can be, derive the pipe around the robot."""

@@ -11,6 +11,8 @@ from typing import Literal, NamedTuple
 from pirate_sm.core._model.events import FaultReport
 from pirate_sm.core._model.fault_codes import BuiltInFault
 
+# --- limits of sensors ------------------------------------------------------------------------
+
 
 class WatchSpec(NamedTuple):
     """Limits of a sensor that measures a motor, in SI units.
@@ -113,6 +115,9 @@ class PlausibilitySpec(NamedTuple):
     repeats_s: float
 
 
+# --- frames -----------------------------------------------------------------------------------
+
+
 class WheelSpec(NamedTuple):
     """A wheel for odometry: its place among the wheels, number indexes of angle and speed, slot.
 
@@ -146,7 +151,7 @@ class WheelSpec(NamedTuple):
 
 
 class DerivedSpec(NamedTuple):
-    """A number that is derived from others of its board, see :mod:`pirate_sm.core._engine.signals`.
+    """A number that is derived from others of its board, see :mod:`.evaluator`.
 
     Attributes:
         target: Its index.
@@ -220,25 +225,7 @@ class BoardSpec:
         return *measured, *(each.target for each in self.derived)
 
 
-@dataclass(frozen=True)
-class LinkSpec:
-    """Timing of the link: report period, and limits for stale signals, silent boards and resends.
-
-    Attributes:
-        period_s: The time between two reports of one board. Reports at shorter intervals were
-            delayed on their way.
-    """
-
-    period_s: float
-    stale_after_s: float
-    silent_after_s: float
-    resend_after_s: float
-    resend_limit: int
-
-    @cached_property
-    def listen_every_s(self) -> float:
-        """Return the interval of the checks for silent boards and stale signals."""
-        return min(self.stale_after_s, self.silent_after_s) / 2
+# --- signals of slip, normal force and friction -----------------------------------------------
 
 
 class WheelTraction(NamedTuple):
@@ -325,3 +312,27 @@ class TractionSpec(NamedTuple):
         if self.robot_speed >= 0:
             shared.append(self.robot_speed)
         return (*shared, *(index for wheel in self.wheels for index in wheel.targets))
+
+
+# --- the link ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class LinkSpec:
+    """Timing of the link: report period, and limits for stale signals, silent boards and resends.
+
+    Attributes:
+        period_s: The time between two reports of one board. Reports at shorter intervals were
+            delayed on their way.
+    """
+
+    period_s: float
+    stale_after_s: float
+    silent_after_s: float
+    resend_after_s: float
+    resend_limit: int
+
+    @cached_property
+    def listen_every_s(self) -> float:
+        """Return the interval of the checks for silent boards and stale signals."""
+        return min(self.stale_after_s, self.silent_after_s) / 2

@@ -106,6 +106,9 @@ def known(points: Sequence[Place], wheels: Sequence[int]) -> bool:
     return not any(isnan(points[wheel][0]) for wheel in wheels)
 
 
+# --- the axis of the pipe at clamped parts ----------------------------------------------------
+
+
 class Meeting(NamedTuple):
     """Where the axes at two parts come nearest to each other.
 

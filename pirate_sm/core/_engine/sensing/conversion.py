@@ -17,6 +17,9 @@ from pirate_sm.core._engine.sensing.known_signals import MotorRequest, Sensing
 from pirate_sm.core._engine.sensing.plausibility import BoardMemory, MotionRows, Reading, Rows
 from pirate_sm.core._model.events import FaultReport, SensorFrame
 
+# --- the table --------------------------------------------------------------------------------
+
+
 Row: TypeAlias = tuple[int, int, int, int, int]
 TableRows: TypeAlias = tuple[Row, ...]
 
@@ -215,6 +218,9 @@ class _TableCompiler:
             yield op.SPEED, robot.speed, 0, 0, 0
         yield op.LOSS, layout.loss, constant(robot.link.period_s), 0, 0
         yield op.HEARD, layout.heard + board.position, 0, 0, 0
+
+
+# --- frames -----------------------------------------------------------------------------------
 
 
 def observe(

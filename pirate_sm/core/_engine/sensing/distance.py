@@ -1,6 +1,6 @@
 """Judge odometry: by the wheels that it believes, with a bound of how far the robot may be from it.
 
-What wheels roll while they may slip (see :mod:`.wheel_grip`) is how far odometry may be wrong. On
+What wheels roll while they may slip (see :mod:`.wheels`) is how far odometry may be wrong. On
 a slope the slide comes on top of it.
 """
 

@@ -33,6 +33,9 @@ from pirate_sm.core._geometry.route import JointOrEnd
 from pirate_sm.core._geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.core._model.effects import Environment
 
+# --- reports: whether two differ by more than noise, and how two become one -------------------
+
+
 NOTHING_AROUND = Environment("", nan, nan, nan)
 
 NOISE_RAD, NOISE_M, _NOISE_WAY_M = radians(1), 1e-3, 0.1
@@ -69,6 +72,9 @@ def _has_moved(old: float, new: float, noise: float, turn: float = inf) -> bool:
     if isnan(old) or isnan(new):
         return isnan(old) != isnan(new)
     return abs(remainder(new - old, turn)) > noise
+
+
+# --- the joint around the robot ---------------------------------------------------------------
 
 
 JOINTS: tuple[str, ...] = get_args(JointOrEnd)
@@ -135,6 +141,9 @@ def step_ahead_m(body: BodySpec, parts: Sequence[int], numbers: Sequence[float])
         return nan
     foremost = min(range(len(vees)), key=lambda each: vees[each].wheels[0])
     return shown[foremost]
+
+
+# --- the survey -------------------------------------------------------------------------------
 
 
 OUT, STRAIGHT, JOINT = SEGMENTS = ("Out", "Straight", "Joint")

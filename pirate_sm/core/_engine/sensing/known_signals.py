@@ -21,6 +21,9 @@ from pirate_sm.core._engine.sensing.board_spec import TractionSpec
 from pirate_sm.core._engine.sensing.evaluator import UNMOVED
 from pirate_sm.core._engine.sensing.plausibility import BoardMemory
 
+# --- slip of wheels ---------------------------------------------------------------------------
+
+
 KEPT_S = 1.0
 """Older stretches are forgotten: boards and sources outside are unknown after less [decided]."""
 
@@ -130,6 +133,9 @@ def nothing_estimated(spec: TractionSpec | None) -> Traction:
     if spec is None:
         return Traction()
     return Traction((Slipping(),) * len(spec.wheels), ((),) * len(spec.wheels))
+
+
+# --- everything that is known -----------------------------------------------------------------
 
 
 class MotorRequest(NamedTuple):

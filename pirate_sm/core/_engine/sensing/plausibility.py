@@ -30,6 +30,9 @@ from pirate_sm.core._model.fault_codes import BuiltInFault
 Numbers = Sequence[float]
 
 
+# --- what is remembered of sensors ------------------------------------------------------------
+
+
 class SensorMemory(NamedTuple):
     """The memory of one sensor; it does not change while its readings are normal.
 
@@ -99,6 +102,9 @@ class Reading(NamedTuple):
     before: Numbers
     elapsed_s: float
     now_s: float
+
+
+# --- one reading: believed, held back, or impossible ------------------------------------------
 
 
 _ESTABLISHED_S = 1.0
@@ -275,6 +281,9 @@ def _outside(watch: WatchSpec, value: float) -> str:
     return f"{watch.name} reports {watch.in_words(value)}, outside {where}"
 
 
+# --- a motion, against the setpoint of its motor ----------------------------------------------
+
+
 Rows: TypeAlias = Sequence[Sequence[int]]
 
 
@@ -356,6 +365,9 @@ def _stuck(spec: PlausibilitySpec, watch: WatchSpec) -> FaultReport:
 def _moved(watch: WatchSpec) -> FaultReport:
     message = f"{watch.name} moves though nothing was asked of its motor"
     return watch.report(BuiltInFault.MOTION_UNASKED, message)
+
+
+# --- all sensors of a board -------------------------------------------------------------------
 
 
 def unseen(watched: WatchedSpec) -> BoardMemory:

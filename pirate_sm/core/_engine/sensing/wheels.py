@@ -23,6 +23,9 @@ from pirate_sm.core._engine.sensing.board_spec import WheelSpec
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._geometry.space import GRAVITY_M_S2
 
+# --- which wheels odometry believes -----------------------------------------------------------
+
+
 _STILL, _LIMP = 0.05, 0.5
 """A limp wheel has less than these shares of the speed and of the force of its duty [decided]."""
 
@@ -150,6 +153,9 @@ def late(
 def _turns_along(rolled_m: float, others_m: float) -> bool:
     off_m = abs(rolled_m - others_m)
     return abs(others_m) > _TOGETHER_M and off_m <= _TOGETHER_M + _TOGETHER * abs(others_m)
+
+
+# --- whether they roll or slip ----------------------------------------------------------------
 
 
 _LEANING = 0.2
