@@ -230,13 +230,11 @@ def command_failed(moment: Moment, state: EngineState, event: CommandFailed) -> 
     A switch of the control fails once its array is accepted, since it is done then on paper.
     """
     body = state.robot
-    if moment.nominal and awaits_torques(moment.program, state):
-        mission = state.mission._replace(result=Finished(False, event.reason))
-        return state._replace(mission=mission)
-    if not moment.nominal or body.motion is None or body.awaited is not None:
-        moment.warn("no command is under way that a script could let fail")
-        return state
-    body = commands.fail(moment, body, event.reason)
+    if not (moment.nominal and awaits_torques(moment.program, state)):
+        if not moment.nominal or body.motion is None or body.awaited is not None:
+            moment.warn("no command is under way that a script could let fail")
+            return state
+        body = commands.fail(moment, body, event.reason)
     mission = state.mission._replace(result=Finished(False, event.reason))
     return state._replace(robot=body, mission=mission)
 

@@ -15,7 +15,7 @@ from typing import NamedTuple, TypeAlias
 
 from pirate_sm.core._geometry.network import BRANCH, Network, Piece, port_of
 from pirate_sm.core._geometry.placement import Placement
-from pirate_sm.core._geometry.plane import Walls
+from pirate_sm.core._geometry.plane import Walls, unit
 from pirate_sm.core._geometry.route import Route
 from pirate_sm.core._geometry.space import (
     DRAWING,
@@ -26,7 +26,6 @@ from pirate_sm.core._geometry.space import (
     combined,
     crossed,
     dot,
-    scaled,
 )
 
 # --- walls ------------------------------------------------------------------------------------
@@ -234,7 +233,7 @@ def upright(up: Vector) -> Frame:
     """
     ahead = DRAWING.ahead if abs(up[0]) < 1.0 - 1e-6 else DRAWING.side
     level = combined((1.0, ahead), (-dot(ahead, up), up))
-    level = scaled(dot(level, level) ** -0.5, level)
+    level = unit(level)
     return Frame(DRAWING.origin, level, crossed(up, level), up)
 
 

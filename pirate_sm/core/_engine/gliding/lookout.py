@@ -38,12 +38,10 @@ from pirate_sm.core._engine.sensing.environment import Surveyed, announced, held
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._engine.state import EngineState, MissionState
 from pirate_sm.core._expressions import Expression, tree
-from pirate_sm.core._expressions.compiler import Code, code_of, never_true, words_in
+from pirate_sm.core._expressions.compiler import Code, Words, code_of, never_true, words_in
 
 # --- conditions as code -----------------------------------------------------------------------
 
-
-Words = Sequence[str | None]
 
 ANY_BOARD = -1
 """Instead of boards: every one."""

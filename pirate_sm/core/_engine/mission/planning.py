@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.moment import Moment
-from pirate_sm.core._engine.robot import command_outcome, commands, robot_state
+from pirate_sm.core._engine.robot import command_outcome, commands
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.robot.robot_state import Mark, RobotState
+from pirate_sm.core._engine.robot.robot_state import Mark, RobotState, confirmed_parts
 from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.core._model.events import SubmitResult
@@ -118,7 +118,7 @@ def opened(robot: RobotSpec, body: RobotState, target: int) -> frozenset[int]:
     A part holds only if its clamp is confirmed and it is held before and after.
     """
     before, after = robot.held[body.configuration], robot.held[target]
-    remaining = robot_state.confirmed_parts(robot, body) & after
+    remaining = confirmed_parts(robot, body) & after
     return frozenset() if remaining else before - after
 
 

@@ -22,7 +22,7 @@ from pirate_sm.core._engine.robot.robot_state import (
     Motion,
     RobotState,
     at_rest_in,
-    known_values,
+    safe_values,
     states_of,
 )
 from pirate_sm.core._engine.robot.sensor_verdict import spec_of, verdict
@@ -125,12 +125,9 @@ def _after(robot: RobotSpec, body: RobotState, flight: Flight, motion: Motion) -
 
 def _at_rest(robot: RobotSpec, program: Program, last: EngineState, body: RobotState) -> RobotState:
     """Return the robot with nothing under way, everything unconfirmed and the values of a hold."""
-    values = list(known_values(body.values, last.sensing.numbers, robot))
-    for slot in (*robot.safe_zero, *body.seeking):
-        values[slot] = 0.0
     rest = RobotState(
         body.configuration,
-        tuple(values),
+        safe_values(robot, body, last.sensing.numbers),
         marks=unproven(robot, body),
         next_id=body.next_id + (body.flight is not None),
         control=body.control,

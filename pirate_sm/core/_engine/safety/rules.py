@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from pirate_sm.core._engine.mission.program import Program, RuleSpec
 from pirate_sm.core._engine.moment import Moment
-from pirate_sm.core._engine.robot import commands, robot_state
+from pirate_sm.core._engine.robot import commands
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.robot.robot_state import RobotState
+from pirate_sm.core._engine.robot.robot_state import RobotState, confirmed_parts, states_of
 from pirate_sm.core._model.events import SubmitResult
 from pirate_sm.core._model.fault_codes import BuiltInFault
 
@@ -56,10 +56,10 @@ def follow(
     driven = sum([body.values[slot] != 0 for slot in robot.safe_zero])
     numbers = (
         float(len(robot.held[body.configuration])),
-        float(len(robot_state.confirmed_parts(robot, body))),
+        float(len(confirmed_parts(robot, body))),
         float(driven),
     )
-    words = (*robot_state.states_of(robot, body), command)
+    words = (*states_of(robot, body), command)
     after, broken = [], []
     for rule, at in zip(program.rules, before, strict=True):
         begins = rule.after is None or rule.after.evaluate(numbers, words) is True
