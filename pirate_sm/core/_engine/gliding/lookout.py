@@ -48,7 +48,7 @@ ANY_BOARD = -1
 
 
 @lru_cache(maxsize=16)
-def codes_of(robot: RobotSpec) -> Codes:
+def _codes_of(robot: RobotSpec) -> Codes:
     """Return the codes of a robot, which all engines that run it share."""
     return Codes(robot)
 
@@ -111,7 +111,7 @@ class Codes:
 # --- the command under way --------------------------------------------------------------------
 
 
-def command_conditions(
+def _command_conditions(
     robot: RobotSpec, body: RobotState, raised: frozenset[int]
 ) -> list[Condition] | None:
     """Return the conditions under which the command under way neither ends nor goes on.
@@ -146,7 +146,7 @@ def command_conditions(
     return found
 
 
-def same_duties(robot: RobotSpec, body: RobotState) -> tuple[SameDuty, ...]:
+def _same_duties(robot: RobotSpec, body: RobotState) -> tuple[SameDuty, ...]:
     """Return the loops whose duties would be sent if they changed.
 
     While an array is awaited, or while no command runs that has been accepted, none is sent.
@@ -221,7 +221,7 @@ class Lookout:
     def __init__(self, robot: RobotSpec, program: Program) -> None:
         self._robot = robot
         self._program = program
-        self._codes = codes_of(robot)
+        self._codes = _codes_of(robot)
         self._moment = Moment(robot, program, nominal=False, now_s=0.0)
         self._last: tuple[EngineState, Watch, float] | None = None
 
@@ -289,7 +289,7 @@ class Lookout:
         """Return what must stay true, until a fault rule has held for long enough."""
         robot, body = self._robot, state.robot
         rules, due_s = self._rules(state)
-        command = command_conditions(robot, body, state.faults.raised)
+        command = _command_conditions(robot, body, state.faults.raised)
         if command is None:
             return None
         waiting = self._triggers(state)
@@ -302,7 +302,7 @@ class Lookout:
             state.mission.origin,
             rules,
             (*command, *waiting),
-            same_duties(robot, body),
+            _same_duties(robot, body),
             state.surveyed,
             tuple(held_parts(robot, body, state.faults.raised)),
             in_bend=False,

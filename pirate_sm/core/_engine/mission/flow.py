@@ -57,7 +57,7 @@ def fail(moment: Moment, state: EngineState, cause: str, target: int) -> EngineS
     if target == STOP:
         state = state._replace(mission=mission)
         return end(moment, state, "failed", cause)
-    withdraw(moment, state)
+    _withdraw(moment, state)
     moment.warn(cause)
     return state._replace(mission=moved(mission, target))
 
@@ -195,13 +195,13 @@ def await_sight(moment: Moment, state: EngineState) -> EngineState:
     if late and missing:
         return end_by_fault(moment, state, rules.CODE, missing)
     if late and steps:
-        state = state._replace(mission=forget_actuation(mission, body))
+        state = state._replace(mission=_forget_actuation(mission, body))
     elif missing or (steps and confirmation.as_last_seen(body) != body):
         return state
     return resume(moment, state, one_step=mission.one_step)
 
 
-def forget_actuation(mission: MissionState, body: RobotState) -> MissionState:
+def _forget_actuation(mission: MissionState, body: RobotState) -> MissionState:
     """Return the mission without the actuation that it would restore after its pause."""
     if mission.before_pause is None:
         return mission
@@ -277,7 +277,7 @@ def meet(moment: Moment, state: EngineState, fault: FoundFault) -> EngineState:
     if fault.denies:
         state = state._replace(robot=commands.deny(moment, state.robot, fault.denies))
     if fault.code in UNSEEN:
-        state = lapse(moment, state, fault.of)
+        state = _lapse(moment, state, fault.of)
     if mission.ending:
         moment.emit(Fault(fault.code, fault.message, "stop", fault.of))
         return state
@@ -294,7 +294,7 @@ def meet(moment: Moment, state: EngineState, fault: FoundFault) -> EngineState:
     return state._replace(mission=mission)
 
 
-def lapse(moment: Moment, state: EngineState, of: Iterable[str]) -> EngineState:
+def _lapse(moment: Moment, state: EngineState, of: Iterable[str]) -> EngineState:
     """Take back that parts hold of which nothing is measured any more that shows it.
 
     Args:
@@ -314,7 +314,7 @@ def lapse_unheard(moment: Moment, state: EngineState) -> EngineState:
     stale, boards = state.sensing.stale, moment.robot.boards.values()
     if not stale:
         return state
-    return lapse(moment, state, (each.name for each in boards if each.position in stale))
+    return _lapse(moment, state, (each.name for each in boards if each.position in stale))
 
 
 def divert(moment: Moment, state: EngineState) -> EngineState:
@@ -324,7 +324,7 @@ def divert(moment: Moment, state: EngineState) -> EngineState:
     if handler is None or handler.go is None or robot.awaited is not None:
         return state
     if not mission.stopped:
-        withdraw(moment, state)
+        _withdraw(moment, state)
         if robot.motion is not None:
             reason = f"interrupted by {mission.cause}"
             unmet = unmet_conditions(moment, robot, state.sensing)
@@ -336,7 +336,7 @@ def divert(moment: Moment, state: EngineState) -> EngineState:
         return state._replace(robot=robot, mission=mission)
     if state.look is not None:
         return state
-    mission = forget_actuation(mission, robot).at(handler.go)
+    mission = _forget_actuation(mission, robot).at(handler.go)
     return state._replace(
         mission=mission._replace(diverting=None, stopped=False, handling=handler.go_name)
     )
@@ -359,7 +359,7 @@ def end(
     """
     if state.mission.ending or state.mission.ended:
         return state
-    withdraw(moment, state)
+    _withdraw(moment, state)
     robot = state.robot
     if robot.motion is not None:
         motion = robot.motion
@@ -398,7 +398,7 @@ def _may_stay(moment: Moment, state: EngineState) -> bool:
     return state.look is not None and not moment.robot.driven[state.robot.configuration]
 
 
-def withdraw(moment: Moment, state: EngineState) -> None:
+def _withdraw(moment: Moment, state: EngineState) -> None:
     """Withdraw the open question to the operator, if there is one."""
     mission = state.mission
     if mission.begun and isinstance(moment.program.instructions[mission.pc], Question):

@@ -215,7 +215,7 @@ def criterion_tree(criterion: CriterionSpec, setpoints: Numbers, loops: Loops) -
     return tree.And(parts) if parts else tree.TruthValue(True)
 
 
-def unmet_limits(
+def _unmet_limits(
     criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: Loops
 ) -> Iterator[Limit]:
     """Yield the limits because of which :func:`holds` is false."""
@@ -295,7 +295,7 @@ def unmet_conditions(moment: Moment, state: RobotState, sensing: Sensing) -> tup
         if not each.holds(sensing.numbers)
     ]
     for done, _ in reversed(criteria_of(robot, motion)):  # the one that asks for least
-        if found := list(unmet_limits(done, sensing.numbers, state.values, state.loops)):
+        if found := list(_unmet_limits(done, sensing.numbers, state.values, state.loops)):
             limits += found
             break
     return tuple(

@@ -40,7 +40,7 @@ def compare(moment: Moment, state: EngineState, look: confirmation.Look) -> Engi
     if seen.look is not None:
         return state
     if look.before is not None:
-        return decide(moment, state, look.before, seen)
+        return _decide(moment, state, look.before, seen)
     if seen.contradictions:
         return _refuse(moment, state, seen)
     for part in confirmation.parts_left_open(moment.robot, state.robot):
@@ -63,7 +63,7 @@ def _compare(
     """Return the result of a comparison, and the state without the marks that it confirms."""
     robot, body = moment.robot, state.robot
     numbers, diameter_m = state.sensing.numbers, moment.program.diameter_m
-    strange = changed_meanwhile(moment, state, look.before) if look.before else ()
+    strange = _changed_meanwhile(moment, state, look.before) if look.before else ()
     seen = confirmation.look(robot, look, body, numbers, diameter_m, moment.now_s, strange)
     if seen.confirmed:
         before = robot_state.state_change(robot, body)
@@ -144,7 +144,7 @@ def _hold(moment: Moment, state: EngineState, code: str) -> EngineState:
     return state
 
 
-def changed_meanwhile(moment: Moment, state: EngineState, before: Before) -> tuple[str, ...]:
+def _changed_meanwhile(moment: Moment, state: EngineState, before: Before) -> tuple[str, ...]:
     """Return what the robot shows that it cannot have changed while its controller was away."""
     robot, body, numbers = moment.robot, before.body, state.sensing.numbers
     drove = any(body.latest[slot] for slot in robot.safe_zero)
@@ -159,7 +159,7 @@ def changed_meanwhile(moment: Moment, state: EngineState, before: Before) -> tup
     return (*changed(robot, before.sensing.numbers, marks, numbers), *found)
 
 
-def decide(moment: Moment, state: EngineState, before: Before, result: LookResult) -> EngineState:
+def _decide(moment: Moment, state: EngineState, before: Before, result: LookResult) -> EngineState:
     """Return the state after the comparison: the mission continues, or a fault ends it."""
     robot, body, against = moment.robot, state.robot, result.contradictions
     if not against and before.resumes:

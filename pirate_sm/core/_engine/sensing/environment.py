@@ -124,7 +124,7 @@ def joint_around(
     return Around(announced, stepped), announced or seen
 
 
-def step_ahead_m(body: BodySpec, parts: Sequence[int], numbers: Sequence[float]) -> float:
+def _step_ahead_m(body: BodySpec, parts: Sequence[int], numbers: Sequence[float]) -> float:
     """Return the diameter at the first part if two parts along one axis differ in it, m; else NaN.
 
     Args:
@@ -244,7 +244,7 @@ def survey(
         segment = OUT
     elif walled:
         segment = _segment(body, walled, numbers, in_bend)
-    ahead_m = step_ahead_m(body, walled, numbers) if segment == STRAIGHT else nan
+    ahead_m = _step_ahead_m(body, walled, numbers) if segment == STRAIGHT else nan
     around, joint = joint_around(robot, before.joint, word, in_bend, ahead_m)
     along = _along(body, walled, numbers, before.straight_m)
     if segment == STRAIGHT:

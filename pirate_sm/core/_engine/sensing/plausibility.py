@@ -112,7 +112,7 @@ _ESTABLISHED_S = 1.0
 spikes of the thesis's robot."""
 
 
-def weigh(
+def _weigh(
     spec: PlausibilitySpec,
     watch: WatchSpec,
     channel: SensorMemory,
@@ -221,7 +221,7 @@ def _goes_on(watch: WatchSpec, channel: SensorMemory, step: float) -> bool:
     return channel.running * step > 0
 
 
-def weigh_jumped(
+def _weigh_jumped(
     spec: PlausibilitySpec,
     watch: WatchSpec,
     channel: SensorMemory,
@@ -306,7 +306,7 @@ class MotionRows(NamedTuple):
 NOTHING_COMPARED = MotionRows()
 
 
-def after_motion(
+def _after_motion(
     spec: PlausibilitySpec,
     watched: WatchedSpec,
     channels: Sequence[SensorMemory],
@@ -416,7 +416,7 @@ def sift(
         _believe(spec, watch, channel, record.seen, shown, reading, repeated.get(at), reports)
         for at, (watch, channel) in enumerate(zip(watched.sensors, record.channels, strict=True))
     ]
-    channels, found = after_motion(spec, watched, channels, motion, numbers, reading.now_s)
+    channels, found = _after_motion(spec, watched, channels, motion, numbers, reading.now_s)
     seen = record.seen if record.seen > spec.hold_back else record.seen + 1  # limited
     for watch, channel in zip(watched.sensors, channels, strict=True):
         value = numbers[watch.number]
@@ -457,6 +457,6 @@ def _believe(
         return channel._replace(calm=False, held=channel.held if channel.jumped else ())
     if value == channel.stuck:
         return channel
-    judge = weigh_jumped if channel.jumped else weigh
+    judge = _weigh_jumped if channel.jumped else _weigh
     channel, shown[watch.number] = judge(spec, watch, channel, shown, reading, reports)
     return channel

@@ -123,14 +123,14 @@ def _far(
 
     Since its last report a wheel may have rolled on with the others, or have stopped.
     """
-    late_m = late(robot, sensing, strayed_m, now_s, robot.link.silent_after_s / 4)
+    late_m = _late(robot, sensing, strayed_m, now_s, robot.link.silent_after_s / 4)
     least = {at: each + min(0.0, late_m[at]) for at, each in strayed_m.items()}
     most = {at: each + max(0.0, late_m[at]) for at, each in strayed_m.items()}
     low_m, high_m = median(least.values()) - _STRAYED_M, median(most.values()) + _STRAYED_M
     return {at for at in strayed_m if most[at] < low_m or least[at] > high_m}
 
 
-def late(
+def _late(
     robot: RobotSpec, sensing: Sensing, wheels: Collection[int], now_s: float, most_s: float = inf
 ) -> dict[int, float]:
     """Return per wheel how far it has rolled since its last report if it turns as these do, m.
