@@ -1,8 +1,7 @@
-"""`pirate export`, `map` and `repair`: write what is in a recording to other files."""
+"""`pirate export`: writes a recording as tables and bags, its robot as a URDF, layouts."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -10,30 +9,22 @@ from tempfile import TemporaryDirectory
 from typing import TypeAlias
 
 from pirate_sm.cli.commands.replay import opened_recording, print_visible
-from pirate_sm.cli.options.declaring import read_length
-from pirate_sm.cli.options.files import ExportOptions, MapOptions, RepairOptions
+from pirate_sm.cli.options.files import ExportOptions
 from pirate_sm.cli.output.files import first_line, refuse_losses, write_file
-from pirate_sm.cli.output.terminal import progress
-from pirate_sm.core.errors import RecordingError, UsageError
+from pirate_sm.core.errors import UsageError
 from pirate_sm.core.files import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.on_disk import is_there, take_place
-from pirate_sm.core.visible import visible
-from pirate_sm.lab.mapping.mapper import mapped
-from pirate_sm.lab.mapping.pipe_text import pipe_text
-from pirate_sm.running.recording.read.reader import Recording, read_recording
-from pirate_sm.running.recording.read.repair import Repaired, is_whole, repair
+from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.tables import write_tables
 from pirate_sm.running.recording.viewers import layouts
 from pirate_sm.running.recording.viewers.complete_recording import write_complete
 from pirate_sm.running.recording.viewers.urdf import urdf
 
-# --- pirate export ------------------------------------------------------------------------------
-
-
 Writer: TypeAlias = Callable[[Recording, LoadedMission, Path], None]
 """Writes a recording to a place that is new."""
+
 
 TableWriter: TypeAlias = Callable[[Recording, LoadedMission, Path], Iterable[Path]]
 """Writes a recording as tables into a folder, and returns the files."""
@@ -178,79 +169,3 @@ def _texts(loaded: LoadedMission, options: ExportOptions) -> Iterator[tuple[str,
         yield options.lichtblick, layouts.lichtblick_layout(loaded)
     if options.plotjuggler is not None:
         yield options.plotjuggler, layouts.plotjuggler_layout(loaded)
-
-
-# --- pirate map ---------------------------------------------------------------------------------
-
-
-def write_map(options: MapOptions) -> int:
-    """Write the map to the file, or to standard output; return the exit code.
-
-    Raises:
-        RecordingError: The recording cannot be read.
-        UsageError: An option does not have the right form, or the file cannot be written.
-    """
-    first_wheel_m = read_length("--start-at", options.start_at)
-    if options.output is not None:
-        refuse_losses(
-            [options.output], inputs=[Path(options.recording)], overwrite=options.overwrite
-        )
-    with opened_recording(options.recording) as recording:
-        made = mapped(recording)
-    recorded = Path(options.recording)
-    name = options.output.stem if options.output is not None else f"{recorded.stem}_map"
-    text = pipe_text(made, name, recorded.name, first_wheel_m)
-    if options.output is None:
-        sys.stdout.write(text)
-    else:
-        write_file(options.output, text)
-    for note in made.notes:
-        print(f"the map is incomplete: {note}", file=sys.stderr)
-    return 1 if made.notes else 0
-
-
-# --- pirate repair ------------------------------------------------------------------------------
-
-
-def run_repair(options: RepairOptions) -> int:
-    """Write everything whole to a new file and print what is lost; return the exit code.
-
-    Raises:
-        RecordingError: The recording cannot be read, or holds nothing that can be used.
-        UsageError: The new file cannot be written.
-    """
-    path = Path(options.recording)
-    place = options.output or path.with_suffix(f".repaired{path.suffix}")
-    with progress(f"reading {visible(options.recording)}") as watch:
-        found = read_recording(path, watch, damaged=True)
-        if is_whole(found):
-            print(visible(f"{shown(path)} is whole: there is nothing to repair"))
-            return 0
-        try:
-            done = repair(found, place)
-        except FileExistsError:
-            raise UsageError(f"{shown(place)} exists already; --output names another") from None
-        except OSError as error:
-            raise UsageError(f"{shown(place)} cannot be written: {error.strerror}") from None
-    if not done.steps:
-        place.unlink()
-        message = f"no input of the run is whole in {shown(path)}, so there is nothing to repair"
-        raise RecordingError(f"{message}; no file is written")
-    print(visible(f"{shown(place)} holds {done.steps} inputs, until {done.until_s:.3f} s"))
-    if done.complete:
-        print("nothing is lost: only the index at the end of the file was missing or wrong")
-    for line in _lost(done, found):
-        print(visible(f"lost: {line}"))
-    return 0
-
-
-def _lost(done: Repaired, of: Recording) -> Iterator[str]:
-    for gap in done.gaps:
-        yield f"what came from {gap.from_s:.3f} s to {gap.until_s:.3f} s"
-    if done.damage:
-        yield f"what is damaged {done.damage}"
-    elif not (of.complete or of.gaps):
-        yield "whatever came after that: it is not in the file"
-    if done.torn_bytes:
-        why = "nothing after damage can be used" if done.damage else "which are not whole"
-        yield f"the last {done.torn_bytes} bytes of the file, {why}"

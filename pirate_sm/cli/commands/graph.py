@@ -1,26 +1,21 @@
-"""`pirate graph`, `pirate import` and `pirate robot`: drawings, pages and SCXML."""
+"""`pirate graph`: draws a robot's chart, a mission or a pipe, or writes one as SCXML."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
-from pirate_sm.checking.findings import settle
-from pirate_sm.checking.robot.check_robot import robot_findings
 from pirate_sm.cli.options.declaring import read_settings
-from pirate_sm.cli.options.files import GraphOptions, ImportOptions, RobotOptions
+from pirate_sm.cli.options.files import GraphOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file
-from pirate_sm.cli.output.terminal import progress
-from pirate_sm.core.documents import Document, Problems, read_document, read_text
+from pirate_sm.core.documents import Document, Problems, read_document
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import PROFILE_FILE, library, shown
+from pirate_sm.core.files import PROFILE_FILE, library
 from pirate_sm.core.loading import (
     ChartOutline,
     LoadedMission,
-    cached_table,
     check_pipe,
     load_mission,
     load_pipe,
@@ -30,25 +25,22 @@ from pirate_sm.core.loading import (
 from pirate_sm.core.on_disk import is_file, is_folder
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.spelling import meant
-from pirate_sm.core.visible import visible
 from pirate_sm.views.drawing.graph.graph import Graph, chart_graph, pipe_graph
 from pirate_sm.views.drawing.graph.highlight import Stop, highlight
 from pirate_sm.views.drawing.graph.mission_graph import called_missions, mission_graph
-from pirate_sm.views.drawing.robot_page import html as as_html
-from pirate_sm.views.drawing.robot_page import markdown, robot_page
-from pirate_sm.views.drawing.side_view import side_view
-from pirate_sm.views.drawing.side_view_svg import side_svg
 from pirate_sm.views.drawing.svg.svg_writer import svg
 from pirate_sm.views.drawing.text_formats import dot, mermaid
 from pirate_sm.views.interchange.scxml import chart_scxml, mission_scxml
-from pirate_sm.views.interchange.scxml_chart_reader import chart_text, read_chart
-
-# --- pirate graph -------------------------------------------------------------------------------
-
 
 WRITERS: dict[str, Callable[[Graph], str]] = {"mermaid": mermaid, "dot": dot, "svg": svg}
+
+
 _PIPES_HAVE = ("segments", "runs")
+
+
 _SCXML = "scxml"
+
+
 _BY_SUFFIX = {
     **{".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mermaid": "mermaid"},
     ".scxml": _SCXML,
@@ -208,72 +200,3 @@ def _chart(document: Document, name: str) -> _Chart:
     if outline is None:
         raise AssertionError("an outline is missing only beside a problem")
     return _Chart(outline, name, document.data.get("description", ""))
-
-
-# --- pirate import ------------------------------------------------------------------------------
-
-
-def import_chart(options: ImportOptions) -> int:
-    """Write the chart to the file, or to standard output; return the exit code.
-
-    Raises:
-        LoadError: The SCXML cannot be read, or is no chart of the supported kind.
-        UsageError: The chart cannot be written.
-    """
-    if options.output is not None:
-        refuse_losses([options.output], inputs=[options.file], overwrite=options.overwrite)
-    name = shown(options.file)
-    text = read_text(options.file, name, "SCXML")
-    document, outline = read_chart(text, name, options.file.stem)
-    with progress(f"exploring {visible(name)}") as watch:
-        table = cached_table(document, outline, Problems(document), watch)
-    chart = chart_text(document.data, options.file.name)
-    if options.output is None:
-        sys.stdout.write(chart)
-        return 0
-    write_file(options.output, chart)
-    print(
-        f"{options.output} is a chart with {len(table.regions)} regions, {len(table.commands)} "
-        f"commands and {len(table.configurations)} configurations"
-    )
-    return 0
-
-
-# --- pirate robot -------------------------------------------------------------------------------
-
-
-def write_page(options: RobotOptions) -> int:
-    """Write the robot's page, or its picture alone, and return the exit code.
-
-    Raises:
-        LoadError: The robot's files have errors.
-        UsageError: There is no such robot, or the file cannot be written.
-    """
-    name, output = options.name, options.output
-    folder = library.robots()[0] if name is None else library.find_robot(name, Path.cwd())
-    if output is not None:
-        refuse_losses([output], inputs=[folder], overwrite=options.overwrite)
-    alone = output is not None and output.suffix.lower() == ".svg"
-    if alone and options.html:
-        raise UsageError(f"'{output}' is a picture, --html writes a page: leave one of them out")
-    loaded = load_robot(folder)
-    found = robot_findings(loaded)
-    # What follows them is about the comments.
-    settled = settle(found, {each.name: each.text for each in loaded.documents})[: len(found)]
-    wrong = (each for each in settled if not each.allowed)
-    faults = {
-        place: "; ".join(f"[{each.code}] {each.message}" for each in here)
-        for place, here in groupby(wrong, key=lambda each: each.place)
-    }
-    note = f"Written by `pirate robot {loaded.profile.robot}` from the robot's profile and chart."
-    if alone:
-        text = side_svg(side_view(loaded, faults))
-    elif options.html:
-        text = as_html(robot_page(loaded, faults))
-    else:
-        text = markdown(robot_page(loaded, faults), note)
-    if output is None:
-        sys.stdout.write(visible(text, lines=True))
-        return 0
-    write_file(output, text)
-    return 0

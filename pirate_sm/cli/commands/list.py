@@ -1,20 +1,16 @@
-"""`pirate list`, `config`, `schema` and `completion`: print what is there and what is in force."""
+"""`pirate list`: lists the names for missions and command lines."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from pirate_sm.checking.schema_files import mission_schema_text, schema_text
-from pirate_sm.cli import completion, settings
-from pirate_sm.cli.options.files import CompletionOptions, ConfigOptions, ListOptions, SchemaOptions
+from pirate_sm.cli.options.files import ListOptions
 from pirate_sm.cli.output.terminal import columns_of, wrapped
-from pirate_sm.cli.settings import SETTINGS, SettingValue
 from pirate_sm.core.camera import Camera
 from pirate_sm.core.documents import read_document
-from pirate_sm.core.errors import PirateError, UsageError
+from pirate_sm.core.errors import PirateError
 from pirate_sm.core.expressions import EnumType, NumberType
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedRobot, load_robot, validate
@@ -25,9 +21,6 @@ from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.registry import Registry
 from pirate_sm.core.units import describe
 from pirate_sm.core.visible import visible
-
-# --- pirate list --------------------------------------------------------------------------------
-
 
 Row = Sequence[str]
 
@@ -152,85 +145,3 @@ _LISTS: dict[str, Callable[[Iterable[Path]], None]] = {
     "detectors": _detectors,
     "panels": list_panels,
 }
-
-
-# --- pirate config ------------------------------------------------------------------------------
-
-
-SETTINGS_FORMAT = 1
-"""Changes when a reader of the JSON would have to."""
-
-
-def show_settings(options: ConfigOptions) -> int:
-    """Print the settings or the paths of their files; return the exit code.
-
-    Raises:
-        LoadError: A file has faults; it lists those of both.
-    """
-    user, project = settings.user_file(), settings.project_file()
-    paths = {"user": str(user), "project": str(project) if project else None}
-    if options.what == "path":
-        if options.format == "json":
-            _print_json(paths)
-        else:
-            print("\n".join(visible(path) for path in paths.values() if path))
-        return 0
-    found = settings.values()
-    if options.format == "json":
-        listed = {name: _for_programs(each) for name, each in found.items()}
-        _print_json({"settings": listed, "files": paths})
-        return 0
-    rows = [
-        (name, _setting_text(each), _setting_source(each), SETTINGS[name].about)
-        for name, each in found.items()
-    ]
-    print_table("settings", rows)
-    return 0
-
-
-def _for_programs(each: SettingValue) -> dict[str, Any]:
-    return {"value": each.value or None, "source": each.source, "refused": each.refused or None}
-
-
-def _print_json(content: dict[str, Any]) -> None:
-    print(json.dumps({"format": SETTINGS_FORMAT, **content}, ensure_ascii=True))
-
-
-def _setting_text(value: SettingValue) -> str:
-    listed = value.value if isinstance(value.value, tuple) else (value.value,)
-    return ", ".join(map(str, listed)) or "-"
-
-
-def _setting_source(value: SettingValue) -> str:
-    return f"{value.source} (not used: it {value.refused})" if value.refused else value.source
-
-
-# --- pirate schema ------------------------------------------------------------------------------
-
-
-def print_schema(options: SchemaOptions) -> int:
-    """Print the JSON Schema of a kind of file; return the exit code.
-
-    Raises:
-        LoadError: The robot's files cannot be used.
-        UsageError: There is no such robot, or the kind is the same for all robots.
-    """
-    kind, robot = options.files, options.robot
-    if robot is None:
-        text = schema_text(kind)
-    elif kind == "mission":
-        text = mission_schema_text(load_robot(library.find_robot(robot, Path.cwd())))
-    else:
-        raise UsageError(f"the schema of a {kind} is the same for all robots: leave out --robot")
-    print(text, end="")
-    return 0
-
-
-# --- pirate completion --------------------------------------------------------------------------
-
-
-def print_script(options: CompletionOptions) -> int:
-    """Print the script for a shell; return the exit code."""
-    folder = Path(completion.__file__).with_name("scripts")
-    print((folder / f"script.{options.shell}").read_text("utf-8"), end="")
-    return 0

@@ -94,7 +94,7 @@ def test_a_version_with_a_fault_is_not_compared(pirate: Any, here: Path) -> None
 
 def test_too_much_to_look_at_is_no_likeness(pirate: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "pirate_sm.cli.commands.explain.abilities_of",
+        "pirate_sm.cli.commands.diff.abilities_of",
         lambda loaded: replace(abilities_of(loaded), complete=False),
     )
     result = pirate("diff", "old.yaml", "old.yaml")

@@ -2,7 +2,7 @@ from math import nan
 
 import pytest
 
-from pirate_sm.cli.commands.estimates import estimate_text
+from pirate_sm.cli.commands.fit import estimate_text
 from pirate_sm.lab.fitting.measurements import Estimate
 
 

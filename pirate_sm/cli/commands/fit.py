@@ -1,16 +1,14 @@
-"""`pirate fit` and `pirate experiment`: numbers from recordings, and the thesis's beside ours."""
+"""`pirate fit`: slip and friction from recordings, or the numbers of a robot."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from math import isnan
 from pathlib import Path
-from textwrap import wrap
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.options.declaring import read_length, read_slip_speed
-from pirate_sm.cli.options.estimates import ExperimentOptions, FitOptions
+from pirate_sm.cli.options.estimates import FitOptions
 from pirate_sm.cli.output.files import csv_line, refuse_losses, write_csv, write_file
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.errors import UsageError
@@ -18,17 +16,13 @@ from pirate_sm.core.visible import visible
 
 if TYPE_CHECKING:
     from pirate_sm.core.profile import Profile
-    from pirate_sm.lab.experiments.experiment_files import Setup
-    from pirate_sm.lab.experiments.setups import ComparedRow, ExperimentResult
     from pirate_sm.lab.fitting.measurements import Estimate, MeasuredFile, SlipSignalNames
     from pirate_sm.lab.fitting.slip_curve import SlipCurve
     from pirate_sm.simulation.arrays import Floats
 
 
-# --- pirate fit ---------------------------------------------------------------------------------
-
-
 NOTHING = 1
+
 
 _ROBOT_HEADER = ("motor", "number", "unit", "value", "low", "high", "reason")
 
@@ -45,15 +39,13 @@ def run_fit(options: FitOptions) -> int:
         return _fit_robot(_measured(options.runs), options)
     curves = _curves(options)
     for wheel, curve in curves.items():
-        for line in _slip_lines(wheel, curve):
+        for line in _lines(wheel, curve):
             print(visible(line))
     if options.csv:
-        write_csv(
-            options.csv, _SLIP_HEADER, [row for item in curves.items() for row in _slip_rows(*item)]
-        )
+        write_csv(options.csv, _HEADER, [row for item in curves.items() for row in _rows(*item)])
         print(visible(str(options.csv)))
     if options.output:
-        write_file(options.output, _slip_page(curves, options))
+        write_file(options.output, _page(curves, options))
         print(visible(str(options.output)))
     _say_friction(curves, options.write)
     return (
@@ -76,7 +68,7 @@ def _refuse_losses(options: FitOptions) -> None:
     """Refuse to write over other files; a pipe file is changed in place, which is meant."""
     runs = list(map(Path, options.runs))
     places = [each for each in (options.output, options.csv) if each]
-    tables = [csv_line(_SLIP_HEADER), csv_line(_ROBOT_HEADER)]
+    tables = [csv_line(_HEADER), csv_line(_ROBOT_HEADER)]
     if options.write is not None and options.robot:
         places.append(options.write)
     elif options.write is not None:
@@ -126,7 +118,7 @@ def _points(measured: MeasuredFile, wheel: str, options: FitOptions) -> tuple[Fl
     return steady(measured.columns["time_s"], slip, friction)
 
 
-def _slip_estimates(curve: SlipCurve) -> Iterable[tuple[str, Estimate]]:
+def _values(curve: SlipCurve) -> Iterable[tuple[str, Estimate]]:
     yield "static, directly", curve.static
     yield "kinetic, directly", curve.kinetic
     yield "peak of the Magic formula", curve.magic_peak
@@ -134,11 +126,11 @@ def _slip_estimates(curve: SlipCurve) -> Iterable[tuple[str, Estimate]]:
     yield "peak of the Gaussian process", curve.process_peak
 
 
-def _slip_lines(wheel: str, curve: SlipCurve) -> Iterable[str]:
+def _lines(wheel: str, curve: SlipCurve) -> Iterable[str]:
     """Yield what is printed of a wheel."""
     name = f"wheel {wheel}" if wheel else "all"
     yield f"{name}: {curve.points} points, slip up to {curve.most_slip_m_s * 1000:.1f} mm/s"
-    for what, estimate in _slip_estimates(curve):
+    for what, estimate in _values(curve):
         yield f"  {what:<29} {estimate_text(estimate)}"
     if curve.magic is not None and (curve.magic_peak.known or curve.magic_plateau.known):
         from pirate_sm.lab.fitting.slip_curve import NAMES
@@ -148,24 +140,24 @@ def _slip_lines(wheel: str, curve: SlipCurve) -> Iterable[str]:
         yield f"  Magic formula: {parameters}; misfit {curve.magic.misfit:.4f} (rms)"
 
 
-_SLIP_HEADER = ("wheel", "what", "value", "low", "high", "reason")
+_HEADER = ("wheel", "what", "value", "low", "high", "reason")
 
 
-def _slip_rows(wheel: str, curve: SlipCurve) -> Iterable[tuple[object, ...]]:
-    for what, each in _slip_estimates(curve):
+def _rows(wheel: str, curve: SlipCurve) -> Iterable[tuple[object, ...]]:
+    for what, each in _values(curve):
         yield (wheel, what, each.value, each.low, each.high, each.reason)
 
 
-def _slip_page(curves: dict[str, SlipCurve], options: FitOptions) -> str:
+def _page(curves: dict[str, SlipCurve], options: FitOptions) -> str:
     from pirate_sm.lab.fitting.slip_curve import slip_plot
     from pirate_sm.views.report.pages import FigureSection, figure_page
 
     sections = [
         FigureSection(
             f"Wheel {wheel}" if wheel else "All",
-            lines=list(_slip_lines(wheel, curve))[-1:],
+            lines=list(_lines(wheel, curve))[-1:],
             header=("", "value and 95 % interval"),
-            rows=[(what, estimate_text(each)) for what, each in _slip_estimates(curve)],
+            rows=[(what, estimate_text(each)) for what, each in _values(curve)],
             plots=[slip_plot(curve, "Friction over slip speed")],
         )
         for wheel, curve in curves.items()
@@ -243,97 +235,3 @@ def estimate_text(estimate: Estimate, unit: str = "") -> str:
     if isnan(estimate.low):
         return f"{estimate.value:.3f}{unit}"
     return f"{estimate.value:.3f}{unit} [{estimate.low:.3f}, {estimate.high:.3f}]"
-
-
-# --- pirate experiment --------------------------------------------------------------------------
-
-
-NOT_REPRODUCED = 1
-_VERDICT_WIDTH = 100
-
-
-def run_experiment(options: ExperimentOptions) -> int:
-    """Repeat the experiments that are asked for and print each row; return the exit code.
-
-    Raises:
-        LoadError: A file of the robot, of an experiment or of a mission cannot be used.
-        UsageError: There is no such experiment, or the simulator is not installed.
-    """
-    places = [each for each in (options.output, options.csv) if each]
-    refuse_losses(places, tables=[csv_line(_VERDICT_HEADER)], overwrite=options.overwrite)
-    from pirate_sm.core.files import library
-    from pirate_sm.core.loading import load_robot
-    from pirate_sm.lab.experiments.experiment_files import chosen, load_experiments
-    from pirate_sm.lab.experiments.setups import compared
-    from pirate_sm.views.report.pages import FigureSection, figure_page
-
-    folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]
-    profile = load_robot(folder).profile
-    every: list[ComparedRow] = []
-    sections = []
-    for setup, parts in chosen(load_experiments(folder), options.which):
-        began = perf_counter()
-        result = _repeated(profile, setup, parts, options)
-        rows = [each for each in compared(setup.rows, result.values) if each.row.of in parts]
-        took = f"repeated in {perf_counter() - began:.0f} s"
-        print(f"Experiment {setup.experiment}: {setup.title} ({took})")
-        for line in [*(f"  {note}" for note in result.notes), *_verdict_lines(rows), ""]:
-            print(visible(line))
-        every += rows
-        title = f"Experiment {setup.experiment}: {setup.title}"
-        table = [_verdict_cells(each) for each in rows]
-        sections.append(FigureSection(title, result.notes, _VERDICT_HEADER, table, result.figures))
-    if options.csv:
-        write_csv(options.csv, _VERDICT_HEADER, map(_verdict_cells, every))
-        print(visible(str(options.csv)))
-    if options.output:
-        write_file(options.output, figure_page("The thesis's experiments, repeated", sections))
-        print(visible(str(options.output)))
-    print(_verdict_summary(every))
-    return NOT_REPRODUCED if any(each.verdict == "not reproduced" for each in every) else 0
-
-
-def _repeated(
-    profile: Profile, setup: Setup, parts: tuple[str, ...], options: ExperimentOptions
-) -> ExperimentResult:
-    """Return what came of an experiment."""
-    from pirate_sm.lab.experiments.bend import repeat_bend
-    from pirate_sm.lab.experiments.setups import BendSetup, TractionSetup
-    from pirate_sm.lab.experiments.straight_pipe import repeat_straight_pipe
-    from pirate_sm.lab.experiments.traction_experiment import repeat_traction
-
-    with progress(f"experiment {setup.experiment}") as watch:
-        if isinstance(setup, TractionSetup):
-            noise, seeds = options.noise, options.seeds
-            return repeat_traction(profile, setup, parts, noise=noise, seeds=seeds, watch=watch)
-        if isinstance(setup, BendSetup):
-            return repeat_bend(setup, parts, seeds=options.seeds, watch=watch)
-        return repeat_straight_pipe(profile, setup, parts, watch=watch)
-
-
-_VERDICT_HEADER = ("part", "what", "thesis", "ours", "verdict", "place in the thesis")
-
-
-def _verdict_cells(each: ComparedRow) -> tuple[str, ...]:
-    row = each.row
-    return (row.of, row.what, row.thesis, each.ours_text, each.verdict_text, row.place)
-
-
-def _verdict_lines(rows: list[ComparedRow]) -> Iterator[str]:
-    """Yield the table: values side by side, then the verdict with its reason."""
-    wide = max((len(each.row.what) for each in rows), default=0)
-    for each in rows:
-        row = each.row
-        values = f"thesis {row.thesis} ({row.place}), ours {each.ours_text}"
-        yield f"  {row.of:<3} {row.what:<{wide}}  {values}"
-        indent = " " * 6
-        yield from wrap(
-            each.verdict_text, _VERDICT_WIDTH, initial_indent=indent, subsequent_indent=indent
-        )
-
-
-def _verdict_summary(rows: list[ComparedRow]) -> str:
-    counts: dict[str, int] = {}
-    for each in rows:
-        counts[each.verdict] = counts.get(each.verdict, 0) + 1
-    return ", ".join(f"{count} {verdict}" for verdict, count in counts.items()) or "no rows"

@@ -1,0 +1,42 @@
+"""`pirate import`: makes a robot's chart from SCXML."""
+
+from __future__ import annotations
+
+import sys
+
+from pirate_sm.cli.options.files import ImportOptions
+from pirate_sm.cli.output.files import refuse_losses, write_file
+from pirate_sm.cli.output.terminal import progress
+from pirate_sm.core.documents import Problems, read_text
+from pirate_sm.core.files import shown
+from pirate_sm.core.loading import (
+    cached_table,
+)
+from pirate_sm.core.visible import visible
+from pirate_sm.views.interchange.scxml_chart_reader import chart_text, read_chart
+
+
+def import_chart(options: ImportOptions) -> int:
+    """Write the chart to the file, or to standard output; return the exit code.
+
+    Raises:
+        LoadError: The SCXML cannot be read, or is no chart of the supported kind.
+        UsageError: The chart cannot be written.
+    """
+    if options.output is not None:
+        refuse_losses([options.output], inputs=[options.file], overwrite=options.overwrite)
+    name = shown(options.file)
+    text = read_text(options.file, name, "SCXML")
+    document, outline = read_chart(text, name, options.file.stem)
+    with progress(f"exploring {visible(name)}") as watch:
+        table = cached_table(document, outline, Problems(document), watch)
+    chart = chart_text(document.data, options.file.name)
+    if options.output is None:
+        sys.stdout.write(chart)
+        return 0
+    write_file(options.output, chart)
+    print(
+        f"{options.output} is a chart with {len(table.regions)} regions, {len(table.commands)} "
+        f"commands and {len(table.configurations)} configurations"
+    )
+    return 0
