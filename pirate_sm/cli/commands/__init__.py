@@ -1,1 +1,1 @@
-"""The work of each command after its options are read: those that are alike share a module."""
+"""The work of each command after its options are read, in a module of its name."""
