@@ -27,6 +27,9 @@ from pirate_sm.core.profile import Profile
 from pirate_sm.core.spelling import nearest
 from pirate_sm.robot.known import BY_CAMERA, BY_SOCKET
 
+# --- reading --------------------------------------------------------------------------------------
+
+
 _NUMBERS: dict[TagFamily, int] = {"aruco_4x4_50": 50, "apriltag_36h11": 587}
 
 _FEWEST_PIXELS = 6
@@ -210,6 +213,9 @@ def _check_points(camera: Camera, problems: Problems) -> None:
         if not (0 <= u < width and 0 <= v < height):
             message = f"this is outside of the picture of {width} × {height}"
             problems.add("camera.points", ("setup", "points", number, "seen"), message)
+
+
+# --- writing --------------------------------------------------------------------------------------
 
 
 _LENS = re.compile(r"^lens:.*\n(?:[ \t]+.*\n)*", re.MULTILINE)

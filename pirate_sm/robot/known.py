@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+# --- backends -------------------------------------------------------------------------------------
+
+
 BACKEND_GROUP = "pirate_sm.backends"
 """Of the entry points with which other packages add some."""
 
@@ -15,6 +18,9 @@ BACKENDS: Mapping[str, str] = {
     "trace": "nothing moves; shows what would be sent",
 }
 """A line about each."""
+
+
+# --- detectors ------------------------------------------------------------------------------------
 
 
 DETECTOR_GROUP = "pirate_sm.detectors"

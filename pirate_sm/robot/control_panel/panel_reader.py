@@ -51,6 +51,9 @@ from pirate_sm.robot.control_panel.presses import (
     action_text,
 )
 
+# --- devices --------------------------------------------------------------------------------------
+
+
 _CARDS = Path("/proc/asound/cards")
 _DEVICES = Path("/dev/snd")
 
@@ -176,6 +179,9 @@ def _who_may(path: Path) -> str:
     if not status.st_mode & stat.S_IRGRP:
         return "permission denied, also to its group"
     return f"only the group '{group}' may; `sudo usermod -aG {group} $USER`, then log in again"
+
+
+# --- the reader -----------------------------------------------------------------------------------
 
 
 REOPEN_EVERY_S = 1.0
@@ -325,6 +331,9 @@ class PanelReader:
         with suppress(UsageError):
             self._fd = self._open()
             self._happened.append(Connection("back", "the panel is back"))
+
+
+# --- the companion --------------------------------------------------------------------------------
 
 
 LOOK_EVERY_S = 0.02

@@ -8,6 +8,9 @@ from typing import NamedTuple, assert_never
 
 from pirate_sm.core.panel import panel as kinds
 
+# --- MIDI -----------------------------------------------------------------------------------------
+
+
 _STATUS, _SYSTEM, _REALTIME = 0x80, 0xF0, 0xF8
 _CONTROL_CHANGE = 0xB0
 
@@ -59,6 +62,9 @@ class ControlChangeParser:
                 found.append(ControlChange(self._channel, self._number, byte))
                 self._number = -1
         return found
+
+
+# --- presses --------------------------------------------------------------------------------------
 
 
 PRESSED = 64

@@ -43,6 +43,9 @@ from pirate_sm.core.geometry import (
 )
 from pirate_sm.core.sensing import WHOLE, BodySpec
 
+# --- walls ----------------------------------------------------------------------------------------
+
+
 _IN_WALL_M = 0.005
 """A wheel that is deeper in a wall shows that the robot is elsewhere. At its true place it is less
 than 4 mm in 9 of 10 looks [measured in 3-D]: diameters are uncertain, and a part leans."""
@@ -97,6 +100,9 @@ class KnownWalls:
 def _have_room(room: Room, points: Sequence[Vector], most_m: float) -> bool:
     """Return whether no wheel is farther in a wall; an unknown one is in none."""
     return all(isnan(it[0]) or room.outside_m(it, most_m) <= most_m for it in points)
+
+
+# --- reckoning ------------------------------------------------------------------------------------
 
 
 _AGREEING = 0.03

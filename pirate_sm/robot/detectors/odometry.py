@@ -177,6 +177,8 @@ class Odometer:
         return tuple(place for place in driven if place in holding) or tuple(driven)
 
 
+# --- the way ahead --------------------------------------------------------------------------------
+
 _EVERY_M = 0.1
 """The place is reported again after this distance, about a link [decided]."""
 
@@ -243,6 +245,8 @@ class RouteReport:
             diameter_ahead_m=route.diameter_at(behind_m),
         )
 
+
+# --- the detector ---------------------------------------------------------------------------------
 
 _SHAPES = 4
 """That a bend is passed is only said when the shape fits the pipe in so many looks [decided]."""

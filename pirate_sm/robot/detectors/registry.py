@@ -34,6 +34,8 @@ from pirate_sm.robot.detectors.socket_detector import AcceptedLines, OutsideWord
 from pirate_sm.robot.detectors.vision_detector import CameraView
 from pirate_sm.robot.detectors.word_timing import words_of
 
+# --- a second detector ----------------------------------------------------------------------------
+
 
 class SecondDetector:
     """A companion that logs what another detector would report; a repeated word is logged once.
@@ -95,6 +97,9 @@ class SecondDetector:
                 if now_s > self._until_s.get(event.word, -inf):
                     yield Log("info", f"also {self._name}: {event.word}")
                 self._until_s = {event.word: now_s + event.valid_for_s}
+
+
+# --- detectors of other packages ------------------------------------------------------------------
 
 
 _MOST_WORDS_OF_A_MOMENT = 1_000
@@ -199,6 +204,9 @@ def _blaming(whose: str, what: str, *, lets_refuse: bool = False) -> Iterator[No
             raise
         fault = f"{type(error).__name__}: {error}"
         raise DetectorError(f"{whose} fails in {what} with {fault}") from error
+
+
+# --- the choice -----------------------------------------------------------------------------------
 
 
 TOKEN_VARIABLE = "PIRATE_SM_TOKEN"

@@ -17,6 +17,8 @@ from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.simulation import RulerSettings
 from pirate_sm.robot.detectors.word_timing import LOOK_EVERY_S, Repeater, WordDetector, words_of
 
+# --- the simulator --------------------------------------------------------------------------------
+
 
 class TruePlaces:
     """A companion that knows the true positions; its words have the profile's errors.
@@ -77,6 +79,9 @@ class TruePlaces:
         return () if word is None else (word,)
 
 
+# --- the operator ---------------------------------------------------------------------------------
+
+
 LETTERS = ascii_lowercase
 """The keys, in order; digits answer questions."""
 
@@ -123,6 +128,9 @@ class WordKeys:
         self.due_s = now_s + LOOK_EVERY_S
         said = (self._words.get(key.lower()) for key in self._keys.pressed())
         return tuple(DetectorWord(word, self._valid_for_s) for word in said if word)
+
+
+# --- signals --------------------------------------------------------------------------------------
 
 
 class SignalWords:
@@ -179,6 +187,9 @@ class SignalWords:
             elif has_come(now_s, self._since_s[each.word] + each.held_s):
                 holding = each.word
         return holding
+
+
+# --- the ruler ------------------------------------------------------------------------------------
 
 
 class Ruler:

@@ -254,6 +254,8 @@ def _short(line: bytes) -> str:
     return shown if len(shown) <= _SHOWN else f"{shown[: _SHOWN - 1]}…"
 
 
+# --- connected programs ---------------------------------------------------------------------------
+
 _MOST_CLIENTS = 16
 _MOST_AT_ONCE = 32
 """Connections that are accepted in one turn; the others wait for the next turn."""

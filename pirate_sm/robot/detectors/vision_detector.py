@@ -24,6 +24,9 @@ from pirate_sm.robot.detectors.dead_reckoning import Reckoned
 from pirate_sm.robot.detectors.odometry import Odometry
 from pirate_sm.robot.detectors.word_timing import LOOK_EVERY_S, Tracker, WordDetector, words_of
 
+# --- the camera -----------------------------------------------------------------------------------
+
+
 SILENT_AFTER_S = 0.5
 FROZEN_AFTER_S = 1.0
 MOVED_AFTER_S = 1.0
@@ -96,6 +99,9 @@ class CameraWatch:
         if has_come(now_s, self._found_s + self._blind_after_s):
             return BuiltInFault.VISION_BLIND, ""
         return None, ""
+
+
+# --- where the wheels are -------------------------------------------------------------------------
 
 
 BRIDGED_S = 0.3
@@ -220,6 +226,9 @@ def _arc(route: Route, point: Place) -> float:
     """
     arc_m, away_m = route.nearest((*point, 0.0))
     return arc_m if away_m < route.piece_at(arc_m).diameter_m else nan
+
+
+# --- the detector ---------------------------------------------------------------------------------
 
 
 _FASTEST_M_S = 0.3

@@ -12,6 +12,9 @@ from pirate_sm.core.events import DetectorWord, Look, WordWatch
 from pirate_sm.core.geometry import Bend
 from pirate_sm.core.profile import Profile
 
+# --- places ---------------------------------------------------------------------------------------
+
+
 WINDOW_S = 0.4
 """Time over which a position is filtered [decided]: 40 mm of travel at 0.1 m/s."""
 
@@ -117,6 +120,9 @@ def _median(values: list[float]) -> float:
         return 0.0
     middle = count // 2
     return values[middle] if count % 2 else (values[middle - 1] + values[middle]) / 2
+
+
+# --- words ----------------------------------------------------------------------------------------
 
 
 # A word stays valid until its wheel is this far before the point, so that noise does not switch it

@@ -24,6 +24,9 @@ from pirate_sm.core.sensing import (
 from pirate_sm.core.units import Dimension
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
 
+# --- facts ----------------------------------------------------------------------------------------
+
+
 Level = Literal["no-go", "suspicious", "note"]
 
 _SHOWN_IN: Mapping[units.Dimension, tuple[str, int]] = {
@@ -237,6 +240,9 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(each) for each in value]
     return None if isinstance(value, float) and not isfinite(value) else value
+
+
+# --- counting reports -----------------------------------------------------------------------------
 
 
 class ChannelRecord:

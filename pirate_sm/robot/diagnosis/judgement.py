@@ -299,6 +299,9 @@ def _judge_gravity(channels: list[ChannelFact], board: Board) -> None:
         channels[axes[0]] = replace(first, trouble=(*first.trouble, trouble))
 
 
+# --- straightness ---------------------------------------------------------------------------------
+
+
 STILL_RAD = radians(1)
 """A joint at rest flickers by less than this; a count is a tenth of it."""
 

@@ -10,6 +10,9 @@ from __future__ import annotations
 import struct
 from typing import Literal, NamedTuple
 
+# --- frames ---------------------------------------------------------------------------------------
+
+
 SYNC = b"\xff\xfe"
 OVERHEAD_BYTES = 8
 LONGEST_PAYLOAD = 512
@@ -102,6 +105,9 @@ class Decoder:
         if end <= len(pending) and sum(pending[at + _HEAD.size : end]) % 256 != 255:
             return 0
         return end
+
+
+# --- reserved topics ------------------------------------------------------------------------------
 
 
 REQUEST_TOPICS = 0

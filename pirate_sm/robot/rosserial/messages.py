@@ -11,6 +11,8 @@ from pirate_sm.core.on_disk import opened
 from pirate_sm.core.profile import Profile, Serial, SetpointTopic, StateTopic
 from pirate_sm.robot.rosserial.message_types import INTEGERS, Malformed, MessageType, message_types
 
+# --- states ---------------------------------------------------------------------------------------
+
 
 class StateReading(NamedTuple):
     """The content of one State message.
@@ -70,6 +72,9 @@ class StateCodec:
             return StateReading(board, -1, tuple(getattr(message, topic.values).tolist()))
         value = float(getattr(message, topic.value))
         return StateReading(board, int(getattr(message, topic.channel)), (value,))
+
+
+# --- setpoints ------------------------------------------------------------------------------------
 
 
 _LEAST_NUMBER_BITS = 8

@@ -37,6 +37,10 @@ try:
 except ImportError:
     raise not_installed("calibrating a camera", "scipy", "vision") from None
 
+
+# --- bundle adjustment ----------------------------------------------------------------------------
+
+
 _GUESSES = 0.15 * 1.15 ** np.arange(24)
 """Focal lengths that are tried first, as shares of the width: of lenses of 380 to 14 deg."""
 
@@ -133,6 +137,9 @@ def _slopes(errors: Callable[[Floats], Floats], at: Floats, boards: int) -> Floa
             slopes[:, :, number] = change
     # A corner that is not seen from where a difference looks moves nothing.
     return np.nan_to_num(slopes.reshape(-1, len(at)))
+
+
+# --- the lens -------------------------------------------------------------------------------------
 
 
 FEWEST_BOARDS = 15
@@ -287,6 +294,9 @@ def _tilt_deg(poses: Sequence[Floats]) -> float:
     normals *= np.sign(normals[:, 2:])
     mean = normals.mean(axis=0)
     return float(np.degrees(np.arccos(np.clip(normals @ mean / np.linalg.norm(mean), -1, 1))).max())
+
+
+# --- the place ------------------------------------------------------------------------------------
 
 
 LARGEST_RMS_OF_PLACE_PX = 3.0

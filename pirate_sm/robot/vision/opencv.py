@@ -30,6 +30,9 @@ if os.environ["OPENCV_LOG_LEVEL"] == "SILENT":
 cv2.setNumThreads(1)
 
 
+# --- arrays ---------------------------------------------------------------------------------------
+
+
 Floats: TypeAlias = npt.NDArray[np.float64]
 """Points are rows: (N, 2) in the picture or a plane, (N, 3) in space."""
 

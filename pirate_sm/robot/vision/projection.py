@@ -16,6 +16,9 @@ import numpy as np
 from pirate_sm.core.camera import CameraPose, FrameSize, Lens
 from pirate_sm.robot.vision.opencv import Flags, Floats, Frame, cv2
 
+# --- the lens -------------------------------------------------------------------------------------
+
+
 _TABLE = 8192
 """Angles in the table of a fisheye: between them it is right to 1e-8, after one step to 1e-15."""
 
@@ -187,6 +190,9 @@ def _straight_from_brown(pixels: Floats, matrix: Floats, k: Floats) -> Floats:
     criteria = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-9)
     flat = cv2.undistortPoints(pixels.reshape(-1, 1, 2), matrix, k, criteria=criteria)
     return _unit(_homogeneous(flat.reshape(-1, 2)))
+
+
+# --- the plane ------------------------------------------------------------------------------------
 
 
 _SWINGS = 20

@@ -30,6 +30,9 @@ from pirate_sm.robot.vision.projection import (
 )
 from pirate_sm.robot.vision.targets import FoundTag, find_tag_near, find_tags, grayed, tag_corners
 
+# --- a marker -------------------------------------------------------------------------------------
+
+
 WINDOW_PX = 60
 """Half the side of the window around the last place: 0.1 m/s and 1 px/mm are 50 px in 0.5 s."""
 
@@ -163,6 +166,9 @@ def _circles(mask: Gray) -> Floats:
     if found is None:
         return _NOTHING
     return found.reshape(-1, 3).astype(np.float64) * np.array([1.0, 1.0, 2.0])
+
+
+# --- the robot ------------------------------------------------------------------------------------
 
 
 _SAMPLE = 32
@@ -312,6 +318,9 @@ def _seen_mark(on: str, corners: Floats) -> SeenMark:
     x, y = corners.mean(axis=0)
     ahead_x, ahead_y = corners[:2].mean(axis=0) - corners[2:].mean(axis=0)
     return SeenMark(on, (float(x), float(y)), atan2(ahead_y, ahead_x))
+
+
+# --- what is drawn into a frame -------------------------------------------------------------------
 
 
 _FOUND, _EXPECTED, _AXES = (60, 220, 60), (230, 140, 30), (40, 40, 230)

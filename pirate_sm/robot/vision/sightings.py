@@ -28,6 +28,9 @@ from pirate_sm.robot.vision.opencv import Frame, cv2
 from pirate_sm.robot.vision.seeing import Eye, eye_of
 from pirate_sm.robot.vision.synthetic import ShownScene, SyntheticPictures
 
+# --- one picture ----------------------------------------------------------------------------------
+
+
 _JPEG_QUALITY = 70
 
 
@@ -73,6 +76,9 @@ class Gaze:
         if sighting.marks:
             self._last = captured_s, sighting.marks[0].place_m
         return SeenPicture(sighting, frame)
+
+
+# --- live -----------------------------------------------------------------------------------------
 
 
 REOPEN_S = 1.0
@@ -175,6 +181,9 @@ class LiveSightings:
             seen = self._gaze.see(frame, self._clock() + self._ahead_s - self._latency_s)
             with self._lock:
                 self._newest = seen
+
+
+# --- in mission time ------------------------------------------------------------------------------
 
 
 _EARLY_S = 1e-9  # times are sums of periods, which are not exact
@@ -284,6 +293,9 @@ class SyntheticSightings:
             seen = self._gaze.see(frame, now_s)
             self._under_way.append((now_s + self._eye.camera.latency_s, seen))
         self._before = now_s, scene
+
+
+# --- the camera of a file -------------------------------------------------------------------------
 
 
 def open_sightings(

@@ -29,6 +29,9 @@ from pirate_sm.robot.vision.opencv import Floats, Frame, cv2
 from pirate_sm.robot.vision.projection import View, raised
 from pirate_sm.robot.vision.targets import tag_cells, tag_corners
 
+# --- shapes ---------------------------------------------------------------------------------------
+
+
 Colour: TypeAlias = tuple[int, int, int]
 """Blue, green, red."""
 
@@ -142,6 +145,9 @@ def _dense(places: Floats) -> Floats:
     return np.array(corners)
 
 
+# --- light ----------------------------------------------------------------------------------------
+
+
 _LAMPS: Final[Mapping[LampColour, tuple[float, float, float]]] = {
     "neutral": (1.0, 1.0, 1.0),
     "warm": (0.67, 1.0, 1.19),
@@ -207,6 +213,9 @@ class Sensor:
         shape = (height + _MARGIN, width + _MARGIN, 3)
         noise = chance.standard_normal(shape, np.float32) * self.errors.noise + 128.0
         return np.clip(np.round(noise), 0, 255).astype(np.uint8)
+
+
+# --- the scene ------------------------------------------------------------------------------------
 
 
 Wall: TypeAlias = tuple[Place, ...]
@@ -287,6 +296,9 @@ def scene_in_pipe(wheels: Sequence[Place], body: Body, route: Route) -> ShownSce
 def between(one: Place, other: Place, share: float) -> Place:
     """Return the place that is this share of the way from one to the other."""
     return one[0] + share * (other[0] - one[0]), one[1] + share * (other[1] - one[1])
+
+
+# --- pictures -------------------------------------------------------------------------------------
 
 
 # Blue, green, red of what is drawn, in light of strength 1.

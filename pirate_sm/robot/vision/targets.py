@@ -13,6 +13,9 @@ import numpy as np
 from pirate_sm.core.camera import TagFamily
 from pirate_sm.robot.vision.opencv import Floats, Frame, Gray, cv2
 
+# --- tags -----------------------------------------------------------------------------------------
+
+
 _DICTIONARIES: Final[Mapping[TagFamily, int]] = {
     "aruco_4x4_50": cv2.aruco.DICT_4X4_50,
     "apriltag_36h11": cv2.aruco.DICT_APRILTAG_36h11,
@@ -107,6 +110,9 @@ def _detector(family: TagFamily) -> Any:
     return cv2.aruco.ArucoDetector(_dictionary(family), parameters)
 
 
+# --- chessboards ----------------------------------------------------------------------------------
+
+
 _BLURRED_PX = 3.5
 """Width of the edges of a blurred board; OpenCV recommends at most 3."""
 
@@ -159,6 +165,9 @@ def is_another(corners: Floats, before: list[Floats], width: int) -> bool:
 
 def _apart(one: Floats, other: Floats) -> float:
     return float(np.linalg.norm(one - other, axis=1).mean())
+
+
+# --- sheets to print ------------------------------------------------------------------------------
 
 
 _PAGE_MM = (297.0, 210.0)

@@ -9,6 +9,8 @@ from pirate_sm.core.profile import Profile
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.units import Dimension, unit_of
 
+# --- names ----------------------------------------------------------------------------------------
+
 
 @cache
 def with_unit(name: str, dimension: Dimension) -> str:
@@ -47,6 +49,9 @@ def current_signals(profile: Profile, *, of_wheels: bool) -> list[str]:
         and channel.slot
         and (slots[channel.slot].wheel is not None) == of_wheels
     ]
+
+
+# --- values ---------------------------------------------------------------------------------------
 
 
 T = TypeVar("T")

@@ -25,6 +25,9 @@ from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.running.recording.replay import rerun
 
+# --- two runs -------------------------------------------------------------------------------------
+
+
 SAMPLES = 50
 """Number of compared instants between two marks."""
 
@@ -238,6 +241,9 @@ def _places(
             a_s = a.at_s + share * (next_a.at_s - a.at_s)
             b_s = b.at_s + share * (next_b.at_s - b.at_s)
             yield a.what, a_s, b_s
+
+
+# --- two set-ups ----------------------------------------------------------------------------------
 
 
 _NAMED_ALREADY = {"mission", "robot", "pipe", "backend", "fidelity", "detector", "settings"}

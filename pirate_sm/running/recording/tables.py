@@ -23,6 +23,9 @@ from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.running.recording.replay import Rerun, rerun
 
+# --- rows -----------------------------------------------------------------------------------------
+
+
 SIGNALS = "signals"
 """The table of the signals, one row for each frame."""
 
@@ -127,6 +130,9 @@ def _value(value: Any) -> Any:
     return " ".join(value) if isinstance(value, tuple) else value
 
 
+# --- files ----------------------------------------------------------------------------------------
+
+
 class TableFile(Protocol):
     """A table that is being written to its file."""
 
@@ -196,6 +202,9 @@ def _place(it: Placed, loaded: LoadedMission) -> TableRow:
         columns += [f"roll_{name}_rad" for name in ("joint", *loaded.robot.parts)]
         places += [*it.space.z_m, *it.space.rolls_rad]
     return TableRow(PLACES, (TIME, KNOWN, *columns), (it.at_s, int(it.known), *places))
+
+
+# --- CSV ------------------------------------------------------------------------------------------
 
 
 def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> tuple[Path, ...]:

@@ -13,6 +13,9 @@ from pirate_sm.core.robot import confirmed_parts
 from pirate_sm.core.sensing import Glide
 from pirate_sm.robot.backends.protocol import Backend, Gliding
 
+# --- companions -----------------------------------------------------------------------------------
+
+
 _LOOK_S, _SLID_M = 0.6, 0.1
 """A loose robot that straightens moves its wheels apart. One whose wheels have all moved the same
 way by more than this has slid. Its own sensors show a fall in less time [decided]."""
@@ -133,6 +136,9 @@ class SlideWatch:
         if state is None or confirmed_parts(self._engine.robot, state.robot):
             return False
         return not any(state.robot.values[slot] for slot in self._engine.robot.safe_zero)
+
+
+# --- quiet time -----------------------------------------------------------------------------------
 
 
 class QuietTime:

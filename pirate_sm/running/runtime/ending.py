@@ -11,6 +11,9 @@ from typing import NamedTuple, Self
 
 from pirate_sm.core.effects import Ended
 
+# --- requests -------------------------------------------------------------------------------------
+
+
 OUTPUT_LOST = 141
 """Exit code when nobody reads the output any more: 128 + SIGPIPE, as a shell shows it."""
 
@@ -119,6 +122,9 @@ class CaughtSignals:
             self._requests.insist()
         elif self._now() >= self._insisted_s + PATIENCE_S:
             raise KeyboardInterrupt(UNFINISHED)
+
+
+# --- the outcome ----------------------------------------------------------------------------------
 
 
 SUCCEEDED, FAILED, BACKEND, BUG, RECORDING_LOST, INTERRUPTED = 0, 1, 3, 4, 5, 130

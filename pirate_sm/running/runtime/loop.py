@@ -39,6 +39,9 @@ from pirate_sm.running.runtime.pump import (
     described,
 )
 
+# --- the pace -------------------------------------------------------------------------------------
+
+
 SLICE_S = 0.004
 """Longest sleep, so that a request to stop, from any thread, waits no longer than this."""
 
@@ -109,6 +112,9 @@ class WallClock:
     # Class attributes, to save a call: the loop reads the time at every frame.
     now = staticmethod(time.perf_counter)
     sleep = staticmethod(time.sleep)
+
+
+# --- the loop -------------------------------------------------------------------------------------
 
 
 BACKEND_FAILED = BuiltInFault.BACKEND_FAILED.code

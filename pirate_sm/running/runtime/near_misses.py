@@ -22,6 +22,9 @@ from pirate_sm.core.robot import FaultSpec, RobotSpec, RobotState, obeyed
 from pirate_sm.core.sensing import Glide
 from pirate_sm.core.units import DIMENSIONLESS, Dimension, format_quantity
 
+# --- fault rules ----------------------------------------------------------------------------------
+
+
 Numbers = Sequence[float]
 Words = Sequence[str | None]
 
@@ -175,6 +178,9 @@ def text_of(node: tree.Node) -> str:
 
 def _quantity(value: float, dimension: Dimension) -> str:
     return format_quantity(float(f"{value:.3g}"), dimension)
+
+
+# --- kinds ----------------------------------------------------------------------------------------
 
 
 class NearMiss(NamedTuple):
@@ -369,6 +375,9 @@ class FaultMargins:
             nearness, text = level.seen(state.sensing.numbers, words, moment.now_s)
             if 0 < nearness < 1:
                 yield NearMiss(rule.code, f"{rule.code}: {text}", nearness, moment.now_s)
+
+
+# --- all of a run ---------------------------------------------------------------------------------
 
 
 class NearMisses:

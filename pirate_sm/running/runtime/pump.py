@@ -21,6 +21,9 @@ from pirate_sm.core.sensing import Glide
 from pirate_sm.robot.backends.protocol import Backend
 from pirate_sm.running.runtime.backend_links import QuietTime
 
+# --- who follows a run ----------------------------------------------------------------------------
+
+
 PULSE_S = 0.05
 
 
@@ -74,6 +77,9 @@ class Tap(Protocol):
         """Receive the effects of actions past the engine."""
 
 
+# --- the last frames ------------------------------------------------------------------------------
+
+
 class LastFrames:
     """Remembers the last frame of each board; one of a block is made when it is needed."""
 
@@ -95,6 +101,9 @@ class LastFrames:
             each if isinstance(each, SensorFrame) else each[0].frame(each[1])
             for each in self._last.values()
         )
+
+
+# --- the pump -------------------------------------------------------------------------------------
 
 
 UNCONFIRMED = "the safe setpoints were not confirmed"

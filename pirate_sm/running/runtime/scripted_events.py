@@ -32,6 +32,8 @@ from pirate_sm.core.mission import Happening
 from pirate_sm.core.program import Program, Question, Wait
 from pirate_sm.core.robot import RobotSpec
 
+# --- answers --------------------------------------------------------------------------------------
+
 
 class Answered(Log):
     """A question was answered automatically; the message has the answer and the reason."""
@@ -73,6 +75,9 @@ class FirstChoice:
         """Return the answer."""
         self.due_s = inf
         return (Answer(self._choice),)
+
+
+# --- repetitions ----------------------------------------------------------------------------------
 
 
 class LoopWatch:
@@ -123,6 +128,9 @@ LOOP = (
 
 def _asks(effect: Effect) -> bool:
     return isinstance(effect, Ask) and bool(effect.question)
+
+
+# --- triggers -------------------------------------------------------------------------------------
 
 
 FIRST_TRIGGER_AFTER_S = 1.0
@@ -220,6 +228,9 @@ def _before_time(wait: Wait, chosen: str) -> float:
     own_s = times.pop(chosen, inf)
     limit_s = min([wait.within_s, *times.values()])
     return own_s if own_s < limit_s else min(FIRST_TRIGGER_AFTER_S, limit_s / 2)
+
+
+# --- event sequences ------------------------------------------------------------------------------
 
 
 _EARLIER_S = 1e-10

@@ -30,6 +30,9 @@ from pirate_sm.running.runtime.pump import Resuming
 from pirate_sm.running.wiring.prepared import Prepared
 from pirate_sm.running.wiring.resumed_run import COUNTING
 
+# --- the look -------------------------------------------------------------------------------------
+
+
 LOOK_S = 1.0
 """How long the boards are read: a clamp must have been seen for half a second [D]."""
 
@@ -86,6 +89,9 @@ def look(
             return FirstLook(began_s, now_s, tuple(frames), tuple(dict.fromkeys(faults)))
         check()
         now_s, events = backend.advance(began_s + for_s)
+
+
+# --- adoption -------------------------------------------------------------------------------------
 
 
 _HELD_WITHIN_S = 2.0

@@ -49,6 +49,9 @@ if TYPE_CHECKING:
     from pirate_sm.simulation.physics import MakePhysics
 
 
+# --- sim ------------------------------------------------------------------------------------------
+
+
 COMPILING = (
     "Compiling the simulator to machine code for this processor, as none was built for this copy "
     "of it: some ten seconds, once ..."
@@ -177,6 +180,9 @@ def start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
     )
 
 
+# --- physics --------------------------------------------------------------------------------------
+
+
 def _physics(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return the robot in MuJoCo's world, where the mission begins.
 
@@ -195,6 +201,9 @@ def _physics(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
             raise
         raise not_installed("the backend physics", "mujoco", "physics") from None
     return simulated(order, loaded, MujocoWorld)
+
+
+# --- bay ------------------------------------------------------------------------------------------
 
 
 def without_messages(error: ModuleNotFoundError) -> UsageError:
@@ -266,6 +275,9 @@ def _bay(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     )
 
 
+# --- serial ---------------------------------------------------------------------------------------
+
+
 def _serial(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return the link to the robot at the order's port, without opening the port.
 
@@ -309,6 +321,9 @@ def calibrated(order: Order, loaded: LoadedMission) -> tuple[LoadedMission, tupl
         return loaded, ()
     robot = with_zeros(loaded.robot, calibration.zeros)
     return replace(loaded, robot=robot), (summary(calibration),)
+
+
+# --- trace ----------------------------------------------------------------------------------------
 
 
 def _trace(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
@@ -374,6 +389,8 @@ def _check_firings(firings: tuple[Firing, ...], loaded: LoadedMission) -> None:
     if any(wrong):
         raise UsageError("\n".join(filter(None, wrong)))
 
+
+# --- the plugins ----------------------------------------------------------------------------------
 
 SIM: Plugin[MakeBackend] = Plugin(known.BACKENDS["sim"], _sim)
 PHYSICS: Plugin[MakeBackend] = Plugin(known.BACKENDS["physics"], _physics)

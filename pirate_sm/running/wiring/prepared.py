@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from pirate_sm.running.recording.format.header import RunHeader
 
 
+# --- the order ------------------------------------------------------------------------------------
+
+
 class PutBack(NamedTuple):
     """How a simulated robot stood when a recording was cut off.
 
@@ -66,6 +69,9 @@ class Order(GivenOptions):
     put_back: PutBack | None = None
 
 
+# --- the panel ------------------------------------------------------------------------------------
+
+
 class ChosenPanel(NamedTuple):
     """The control panel of a run.
 
@@ -97,6 +103,9 @@ def panel_and_device(text: str) -> tuple[str, Path | None]:
     """Return the two parts of ``NAME:DEVICE``; the device is None if it is not named."""
     name, colon, device = text.partition(":")
     return name, Path(device) if colon else None
+
+
+# --- the run --------------------------------------------------------------------------------------
 
 
 Say = Callable[[str], None]

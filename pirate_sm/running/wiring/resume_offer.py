@@ -44,6 +44,9 @@ from pirate_sm.running.wiring.adoption import FirstLook, look
 from pirate_sm.running.wiring.prepared import Prepared, Say
 from pirate_sm.running.wiring.resumed_run import COUNTING, edited, first_wheel_m, lost, said_way
 
+# --- the end of the recording ---------------------------------------------------------------------
+
+
 _SLOW_WITHIN_S = 1.0
 """A disk that was too slow so long before the end may have been so at the end, s [D]."""
 
@@ -165,6 +168,9 @@ def _placed(recording: Recording, loaded: LoadedMission) -> Placed | None:
     body = loaded.loaded_robot.profile.body
     last = deque(recorded_places(recording, body, since_s), maxlen=1)
     return next((each for each in last if each.at_s >= since_s), None)
+
+
+# --- the offer ------------------------------------------------------------------------------------
 
 
 _MOST_STOPS = 3

@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     from pirate_sm.running.runtime.loop import MissionRun
 
 
+# --- samples --------------------------------------------------------------------------------------
+
+
 State: TypeAlias = Callable[[], EngineState | None]
 """Returns the engine's state; None before it has started."""
 
@@ -138,6 +141,9 @@ def _rolls(prepared: Prepared, stood: Stood | None) -> tuple[float, ...]:
     if prepared.rolls is None:
         return ()
     return prepared.rolls() if stood is None else stood.space.rolls_rad
+
+
+# --- the recorder ---------------------------------------------------------------------------------
 
 
 LIVE_S = 0.1

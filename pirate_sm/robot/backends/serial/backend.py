@@ -26,6 +26,9 @@ from pirate_sm.robot.backends.serial.link.health import LinkHealth, health_of
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.robot.backends.serial.port import Port, PortLostError
 
+# --- bytes ----------------------------------------------------------------------------------------
+
+
 _REOPEN_EVERY_S = 0.5
 _SAMPLE_BYTES = 4096
 
@@ -123,6 +126,9 @@ class LinkPump:
             self._exchange.connected(self._port.now())
 
 
+# --- time -----------------------------------------------------------------------------------------
+
+
 class MissionTime:
     """Derives mission time from the port's clock.
 
@@ -178,6 +184,9 @@ class MissionTime:
             return False
         self._late = False
         return True
+
+
+# --- the backend ----------------------------------------------------------------------------------
 
 
 ANSWER_WITHIN_S = 6.0

@@ -39,6 +39,9 @@ from pirate_sm.running.recording.format.json_values import (
     kind_of,
 )
 
+# --- topics of the engine -------------------------------------------------------------------------
+
+
 ENGINE = "/engine/"
 """Prefix of the engine's topics; all others are for viewers."""
 
@@ -350,6 +353,9 @@ def _distinct(names: Sequence[str]) -> tuple[str, ...]:
 
 def _json(columns: dict[str, Any]) -> bytes:
     return json.dumps(columns, separators=(",", ":"), allow_nan=False).encode()
+
+
+# --- samples --------------------------------------------------------------------------------------
 
 
 SAMPLES: Final = f"{ENGINE}samples"

@@ -33,6 +33,9 @@ from pirate_sm.core.engine import EngineState
 from pirate_sm.core.resuming import Resumption
 from pirate_sm.core.robot import Mark, RobotState
 
+# --- values ---------------------------------------------------------------------------------------
+
+
 JsonSchema: TypeAlias = dict[str, Any]
 T = TypeVar("T")
 
@@ -168,6 +171,9 @@ def one_of(words: tuple[str, ...]) -> Callable[[Any], str]:
         return text(value)
 
     return decode
+
+
+# --- records --------------------------------------------------------------------------------------
 
 
 class _Form(NamedTuple):

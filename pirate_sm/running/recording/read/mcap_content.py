@@ -29,6 +29,9 @@ from mcap.writer import MCAP0_MAGIC
 from pirate_sm.core.on_disk import opened
 from pirate_sm.running.recording.format.header import CHECKPOINT
 
+# --- records --------------------------------------------------------------------------------------
+
+
 LARGEST_CHUNK: Final = 1 << 28
 """The largest chunk or text that is read, bytes. Ours are far smaller, and damage can claim any
 size."""
@@ -162,6 +165,9 @@ def bytes_at(file: BinaryIO, at: int, size: int) -> bytes:
 def stream_of(data: bytes) -> ReadDataStream:
     """Return the bytes as a stream for the official library."""
     return ReadDataStream(BytesIO(data))
+
+
+# --- content --------------------------------------------------------------------------------------
 
 
 _SEARCHED_BYTES: Final = 1 << 20
@@ -385,6 +391,9 @@ _READ: Final[dict[int, Callable[[Content, bytes], Content]]] = {
     Opcode.ATTACHMENT: _attachment,
     Opcode.METADATA: _metadata,
 }
+
+
+# --- chunks ---------------------------------------------------------------------------------------
 
 
 class Chunks:

@@ -42,6 +42,8 @@ from pirate_sm.running.recording.format.json_values import (
 )
 from pirate_sm.running.recording.read.mcap_content import ChunkPlace, Chunks, Content, DamagedError
 
+# --- the header -----------------------------------------------------------------------------------
+
 
 def read_header(path: Path, content: Content) -> RunHeader:
     """Return the header of the recording, with every text.
@@ -114,6 +116,9 @@ class DamagedInsideError(RecordingError):
     def __init__(self, path: Path, how: str) -> None:
         super().__init__(f"{shown(path)} is damaged: {how}; pirate repair saves what is whole")
         self.how = how
+
+
+# --- records --------------------------------------------------------------------------------------
 
 
 class RecordedStep(NamedTuple):
@@ -204,6 +209,9 @@ def with_own_times(effects: tuple[Effect, ...], origin_s: float) -> tuple[Effect
         it._replace(deadline_s=it.deadline_s - origin_s) if isinstance(it, WaitArmed) else it
         for it in effects
     )
+
+
+# --- pieces ---------------------------------------------------------------------------------------
 
 
 class FirstInput(NamedTuple):

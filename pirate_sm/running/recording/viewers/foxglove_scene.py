@@ -29,6 +29,9 @@ from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Body
 from pirate_sm.running.recording.viewers.transforms import PIPE, Quaternion, of_axes
 
+# --- pipes ----------------------------------------------------------------------------------------
+
+
 _ROUNDING_M = 1e-6
 
 
@@ -101,6 +104,9 @@ def _mesh(rings: Rings) -> Mesh:
 def _middle(ring: Ring) -> Vector:
     share = 1.0 / len(ring)
     return combined(*((share, point) for point in ring))
+
+
+# --- the scene ------------------------------------------------------------------------------------
 
 
 _WALL = (0.55, 0.58, 0.62, 1.0)

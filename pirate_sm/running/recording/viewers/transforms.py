@@ -29,6 +29,9 @@ from pirate_sm.core.geometry import (
 from pirate_sm.core.profile import Body
 from pirate_sm.core.simulation import InSpace
 
+# --- in a plane -----------------------------------------------------------------------------------
+
+
 PIPE = "pipe"
 """The frame of the plane of the pipe."""
 
@@ -114,6 +117,9 @@ def _layout(frame: LinkFrame) -> str:
     )
 
 
+# --- rotations ------------------------------------------------------------------------------------
+
+
 class Quaternion(NamedTuple):
     """A rotation; all four are 0, 0, 0, 1 without one."""
 
@@ -154,6 +160,9 @@ def of_axes(x: Vector, y: Vector, z: Vector) -> Quaternion:
     if largest == 2:
         return Quaternion((xz + zx) / s, (yz + zy) / s, s / 4, (xy - yx) / s)
     return Quaternion((yz - zy) / s, (zx - xz) / s, (xy - yx) / s, s / 4)
+
+
+# --- in space -------------------------------------------------------------------------------------
 
 
 WORLD = "world"

@@ -32,6 +32,9 @@ from pirate_sm.running.recording.format.engine_topics import DIALECT, rounded
 from pirate_sm.running.recording.viewers.foxglove_scene import scene_message
 from pirate_sm.running.recording.viewers.transforms import SpaceTransforms, Transforms
 
+# --- topics ---------------------------------------------------------------------------------------
+
+
 NS_PER_S = 1_000_000_000
 NUMBER = {"type": "number"}
 WORD = {"type": "string"}
@@ -67,6 +70,9 @@ def stamp(time_ns: int) -> str:
     """Return the time as JSON in Foxglove's format."""
     seconds, rest = divmod(time_ns, NS_PER_S)
     return f'{{"sec":{seconds},"nsec":{rest}}}'
+
+
+# --- a camera -------------------------------------------------------------------------------------
 
 
 PICTURES = "/camera"
@@ -115,6 +121,9 @@ class CameraMessages:
         data = b64encode(jpeg).decode()
         head = f'{{"timestamp":{stamp(time_ns)},"frame_id":"camera","format":"jpeg"'
         return f'{head},"data":"{data}"}}'.encode()
+
+
+# --- the wheels -----------------------------------------------------------------------------------
 
 
 _PATIENCE_S = 1.0
@@ -170,6 +179,9 @@ def _somewhere(body: Body) -> Pipe:
     """Return a straight pipe just wide enough for the robot, if the pipe is unknown."""
     straight = Straight(straight=_LONGEST_M)
     return Pipe(diameter=2.5 * body.wheel_radius, segments=(straight,))
+
+
+# --- a run ----------------------------------------------------------------------------------------
 
 
 LEVELS: dict[Level, int] = {"info": 2, "warning": 3, "error": 4}

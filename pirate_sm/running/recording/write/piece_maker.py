@@ -32,6 +32,8 @@ from pirate_sm.running.recording.format.json_values import state_to_text
 from pirate_sm.running.recording.viewers.viewer_messages import ViewerSnapshot
 from pirate_sm.running.recording.write.recording_file import RecordingFile
 
+# --- notes ----------------------------------------------------------------------------------------
+
 
 class Caused(NamedTuple):
     """The effects of one step."""
@@ -173,6 +175,9 @@ class Gathered:
     def remember(self, at_s: float, state: EngineState) -> None:
         """Note the engine's state after the last step."""
         self.states.append((self.step - 1, at_s, state))
+
+
+# --- pieces ---------------------------------------------------------------------------------------
 
 
 Batch: TypeAlias = tuple[Topic, float, bytes]

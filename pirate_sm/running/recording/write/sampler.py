@@ -35,6 +35,9 @@ from pirate_sm.running.recording.write.piece_maker import (
 )
 from pirate_sm.running.recording.write.recording_file import RecordingFile
 
+# --- samples --------------------------------------------------------------------------------------
+
+
 EVERY_S = 0.1
 """Interval of the samples, mission time, s."""
 
@@ -114,6 +117,9 @@ class Sampler(Generic[Taken]):
         self.due_s = inf
 
 
+# --- samples that are kept ------------------------------------------------------------------------
+
+
 class KeptSamples(Sampler[PlacesSample | PlacesOfTrail | Pictured]):
     """Samples the run at intervals, and keeps only what its inputs do not give again.
 
@@ -158,6 +164,9 @@ class KeptSamples(Sampler[PlacesSample | PlacesOfTrail | Pictured]):
                 file.add(channel.topic, at_s, data, channel.schema, channel.schema_name)
         except Exception as error:
             self.fail(error)
+
+
+# --- messages for viewers -------------------------------------------------------------------------
 
 
 _SCENE_EVERY = 10

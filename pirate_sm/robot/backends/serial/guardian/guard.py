@@ -22,6 +22,9 @@ from pirate_sm.robot.rosserial.frames import (
     encode,
 )
 
+# --- notes ----------------------------------------------------------------------------------------
+
+
 _HEADER = struct.Struct("<BI")
 _LONGEST = 1 << 20
 
@@ -131,6 +134,9 @@ class Instructions(NamedTuple):
         return cls(silence_s, tuple(Wanted(*each) for each in wanted), boot_s, stay_s)
 
 
+# --- actions --------------------------------------------------------------------------------------
+
+
 class ToPort(NamedTuple):
     """Write these bytes to the port in one call."""
 
@@ -158,6 +164,9 @@ class EndGuardian(NamedTuple):
 
 
 Action: TypeAlias = ToPort | ToRunner | Reopen | EndGuardian
+
+
+# --- decisions ------------------------------------------------------------------------------------
 
 
 BEATS = 6

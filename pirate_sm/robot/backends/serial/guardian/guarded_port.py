@@ -25,6 +25,9 @@ from pirate_sm.robot.backends.serial.guardian.takeover import LeftBehind, take_o
 from pirate_sm.robot.backends.serial.link.conversation import SilenceTimer
 from pirate_sm.robot.backends.serial.port import PortLostError
 
+# --- the guardian's process -----------------------------------------------------------------------
+
+
 _LEAVES_WITHIN_S = 2.0
 _MOST_BYTES = 65536
 _MODULE = "pirate_sm.robot.backends.serial.guardian.process"
@@ -107,6 +110,9 @@ class GuardianProcess:
         """Let the guardian go on without this program."""
         if self._process is not None:
             _left.append(self._process)
+
+
+# --- the port -------------------------------------------------------------------------------------
 
 
 _STARTS_WITHIN_S = 15.0

@@ -30,6 +30,8 @@ from pirate_sm.robot.backends.serial.link.link_plan import (
 )
 from pirate_sm.robot.rosserial.messages import Array
 
+# --- arrays under way -----------------------------------------------------------------------------
+
 
 @dataclass
 class WantedArray:
@@ -69,6 +71,9 @@ class Unanswered(NamedTuple):
 
     at_s: float
     overtaken: ArrayUnderWay | None = None
+
+
+# --- the link -------------------------------------------------------------------------------------
 
 
 BUDGET = 8

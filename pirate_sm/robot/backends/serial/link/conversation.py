@@ -32,6 +32,9 @@ from pirate_sm.robot.rosserial.frames import (
     time_payload,
 )
 
+# --- silence --------------------------------------------------------------------------------------
+
+
 _OVERSLEPT = 2.0
 """A look that is this many intervals late shows that this process did not run in between."""
 
@@ -72,6 +75,9 @@ class SilenceTimer:
     def due_s(self, limit_s: float) -> float:
         """Return when to look next, to notice a silence of ``limit_s`` in time."""
         return self._looked_s + min(self._nap_s, max(_LEAST_S, limit_s - self._waited_s))
+
+
+# --- wanted topics --------------------------------------------------------------------------------
 
 
 class Wanted(NamedTuple):
@@ -135,6 +141,9 @@ def difference(wanted: Wanted, info: TopicInfo) -> str:
         f"which is:\n"
         f"{wanted.text}"
     )
+
+
+# --- the conversation -----------------------------------------------------------------------------
 
 
 ASK_EVERY_S = 0.1
@@ -383,6 +392,9 @@ class TimeAnswers:
             self._asked_s, self._copies = asked_s + TIME_PERIOD_S, 0
             self.due_s = self._asked_s + _TIME_AGAIN_S  # unless it requests it before
         return encode(TIME, time_payload(self._epoch_s + asked_s))
+
+
+# --- why a connection fails -----------------------------------------------------------------------
 
 
 NO_SENSORS = "the robot's controller answers but no board sends any value"

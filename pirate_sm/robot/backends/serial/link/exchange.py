@@ -38,6 +38,8 @@ from pirate_sm.robot.rosserial.frames import OVERHEAD_BYTES
 from pirate_sm.robot.rosserial.message_types import Malformed
 from pirate_sm.robot.rosserial.messages import Array, StateReading
 
+# --- readings -------------------------------------------------------------------------------------
+
 
 class Measurements:
     """Collects readings until they make the frame of a board.
@@ -77,6 +79,9 @@ class Measurements:
             return lapped
         fresh.clear()
         return SensorFrame(board, tuple(held))
+
+
+# --- the exchange ---------------------------------------------------------------------------------
 
 
 _GREETING_BYTES = OVERHEAD_BYTES * 2

@@ -10,6 +10,9 @@ if TYPE_CHECKING:
     from pirate_sm.robot.backends.serial.link.exchange import Exchange
 
 
+# --- for people -----------------------------------------------------------------------------------
+
+
 _NOTHING = "nothing comes from the robot"
 
 
@@ -68,6 +71,9 @@ def health_of(exchange: Exchange, now: float) -> LinkHealth:
         trips=counts.trips,
         switch_stops_s=exchange.switch_stops_s,
     )
+
+
+# --- the line -------------------------------------------------------------------------------------
 
 
 _BAD = 0.25
@@ -175,6 +181,9 @@ class LineQuality:
         if received:
             part = min(1.0, received / _NOISE_BYTES)
             self._noise += part * (damaged / received - self._noise)
+
+
+# --- counts ---------------------------------------------------------------------------------------
 
 
 class Counts(NamedTuple):

@@ -15,6 +15,9 @@ from pirate_sm.robot.rosserial.frames import LONGEST_PAYLOAD, Direction
 from pirate_sm.robot.rosserial.message_types import MessageType
 from pirate_sm.robot.rosserial.messages import Messages, serial_of
 
+# --- slots ----------------------------------------------------------------------------------------
+
+
 Integers = tuple[int, ...]
 
 _ROUNDING = 1e-6
@@ -49,6 +52,9 @@ def to_counts(slots: Sequence[WireSlot], values: Sequence[float]) -> Integers:
     """Return the array as counts of the wire."""
     pairs = zip(slots, values, strict=True)
     return tuple(round(value / slot.resolution) for slot, value in pairs)
+
+
+# --- the plan -------------------------------------------------------------------------------------
 
 
 SETPOINTS, ECHO, STATE = range(3)
@@ -126,6 +132,9 @@ def _wire_slot(profile: Profile, slot: Slot) -> WireSlot:
         return WireSlot(slot.name, profile.link.duty_resolution, 1.0)
     limit = inf if slot.limit is None else slot.limit
     return WireSlot(slot.name, profile.link.angle_resolution, min(limit, radians(360)))
+
+
+# --- the rate of writing --------------------------------------------------------------------------
 
 
 RING_BYTES = 64

@@ -14,6 +14,9 @@ from pirate_sm.core.events import BuiltInFault, FaultReport, SensorFrame
 from pirate_sm.robot.backends.serial.link.link_plan import Integers
 from pirate_sm.robot.rosserial.messages import SetpointCodec
 
+# --- outages --------------------------------------------------------------------------------------
+
+
 BRIEF = 0.75
 """Share of ``silent_after``: a shorter silence that ends by itself is no outage."""
 
@@ -193,6 +196,9 @@ def was_reset(silence_s: float) -> str:
     return f"the robot's controller said nothing for {silence_s:.1f} s, it was reset or hung"
 
 
+# --- the safe array -------------------------------------------------------------------------------
+
+
 SAFE_WIRE_ID = 0
 """The wire id of the safe array; no other array has it."""
 
@@ -228,6 +234,9 @@ class SafeArray:
             self.counts = tuple(0 if at in self._zero else each for at, each in enumerate(source))
             self._payload = self._codec.pack(SAFE_WIRE_ID, self.counts, self.kept)
         return self._payload
+
+
+# --- the stop -------------------------------------------------------------------------------------
 
 
 class StopConfirmation:
