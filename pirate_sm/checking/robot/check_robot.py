@@ -13,38 +13,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.checking.findings import Finding, Severity, finding_of
+from pirate_sm.checking.robot import profile_behaviour, profile_numbers, wheels_and_clamps
 from pirate_sm.checking.robot.check_chart import check_chart, cut_off, examine
-from pirate_sm.checking.robot.profile_behaviour import (
-    command_targets,
-    fault_conditions,
-    impossible_signs,
-    rule_conditions,
-    travel_missions,
-    unseen_states,
-)
-from pirate_sm.checking.robot.profile_numbers import (
-    coarse_setpoints,
-    end_stops,
-    hidden_motors,
-    hidden_words,
-    impossible_bodies,
-    link_times,
-    never_done,
-    nominal_times,
-    position_loops,
-    turning_at_rest,
-)
 from pirate_sm.checking.robot.references import OF_PROFILE, found_by, references
 from pirate_sm.checking.robot.robot_view import RobotView
-from pirate_sm.checking.robot.wheels_and_clamps import (
-    boards_outside,
-    mirrored_slots,
-    refused_openings,
-    safe_clamps,
-    states_alike,
-    unconfirmed_clamps,
-    wheel_directions,
-)
 from pirate_sm.core.documents import Document, LoadError, Problem, Problems, read_extended
 from pirate_sm.core.files import PROFILE_FILE
 from pirate_sm.core.loading import LoadedRobot, cached_table, load_robot, outline_chart, read_robot
@@ -84,34 +56,34 @@ def check_robot(folder: Path) -> RobotCheck:
 
 ERROR_RULES = (
     references,
-    never_done,
-    turning_at_rest,
-    link_times,
-    end_stops,
-    wheel_directions,
-    mirrored_slots,
-    safe_clamps,
-    impossible_signs,
+    profile_numbers.never_done,
+    profile_numbers.turning_at_rest,
+    profile_numbers.link_times,
+    profile_numbers.end_stops,
+    wheels_and_clamps.wheel_directions,
+    wheels_and_clamps.mirrored_slots,
+    wheels_and_clamps.safe_clamps,
+    profile_behaviour.impossible_signs,
 )
 """The rules about robots, except their charts, that report errors, for which runs are refused."""
 
 RULES = (
     *ERROR_RULES,
-    command_targets,
-    travel_missions,
-    fault_conditions,
-    rule_conditions,
-    impossible_bodies,
-    nominal_times,
-    position_loops,
-    coarse_setpoints,
-    hidden_motors,
-    hidden_words,
-    unconfirmed_clamps,
-    refused_openings,
-    boards_outside,
-    states_alike,
-    unseen_states,
+    profile_behaviour.command_targets,
+    profile_behaviour.travel_missions,
+    profile_behaviour.fault_conditions,
+    profile_behaviour.rule_conditions,
+    profile_numbers.impossible_bodies,
+    profile_numbers.nominal_times,
+    profile_numbers.position_loops,
+    profile_numbers.coarse_setpoints,
+    profile_numbers.hidden_motors,
+    profile_numbers.hidden_words,
+    wheels_and_clamps.unconfirmed_clamps,
+    wheels_and_clamps.refused_openings,
+    wheels_and_clamps.boards_outside,
+    wheels_and_clamps.states_alike,
+    profile_behaviour.unseen_states,
 )
 """These and those that only warn; each yields the findings of a `RobotView`."""
 
@@ -158,7 +130,7 @@ def _besides(folder: Path, found: tuple[Finding, ...]) -> Iterator[Finding]:
     lines = {(each.place.file, each.place.line) for each in found}
     named = {name for each in found for name in _QUOTED.findall(each.message)}
     view = RobotView(robot)
-    for each in (*found_by(OF_PROFILE, view), *travel_missions(view)):
+    for each in (*found_by(OF_PROFILE, view), *profile_behaviour.travel_missions(view)):
         follows = named.intersection(_QUOTED.findall(each.message))
         if (each.place.file, each.place.line) not in lines and not follows:
             yield each
