@@ -4,7 +4,6 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._model import camera_source
 from pirate_sm.core._model.camera import (
     FEWEST_POINTS,
     Camera,
@@ -18,6 +17,7 @@ from pirate_sm.core._model.camera import (
 from pirate_sm.core._model.camera_source import (
     CameraSource,
     DeviceSource,
+    FileSource,
     FrameSize,
     ImagesSource,
     SyntheticSource,

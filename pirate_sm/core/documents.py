@@ -4,7 +4,7 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._loading import extended_file, problems
+from pirate_sm.core._loading import problems
 from pirate_sm.core._loading.extended_file import read_extended
 from pirate_sm.core._loading.file_kinds import FileKind, kind_of, kind_of_text
 from pirate_sm.core._loading.problems import (

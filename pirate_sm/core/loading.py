@@ -18,8 +18,8 @@ from pirate_sm.core._loading.mission.route_mission import (
     course_along,
     mission_along,
 )
+from pirate_sm.core._loading.mission.scope import TIME_LIMIT, trigger_names
 from pirate_sm.core._loading.mission.start_configuration import read_states
-from pirate_sm.core._loading.mission.wait_writer import TIME_LIMIT, trigger_names
 from pirate_sm.core._loading.pickling import MissionPickler
 from pirate_sm.core._loading.pipe_file import (
     FOLDING_ROOM_RAD,
@@ -30,7 +30,6 @@ from pirate_sm.core._loading.pipe_file import (
 )
 from pirate_sm.core._loading.pipe_shape import check_pipe
 from pirate_sm.core._loading.references import followed, project_of
-from pirate_sm.core._loading.robot import LoadedRobot, read_robot, with_fitted
 from pirate_sm.core._loading.robot.calibration_files import (
     LARGEST_ZERO_RAD,
     joints_of,
@@ -40,7 +39,7 @@ from pirate_sm.core._loading.robot.calibration_files import (
     summary,
     with_zeros,
 )
-from pirate_sm.core._loading.robot.loader import load_robot
+from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot, read_robot, with_fitted
 from pirate_sm.core._loading.robot.twin_file import check_twin, load_twin, simulated_profile
 from pirate_sm.core._loading.trace_script import read_script
 from pirate_sm.core._loading.yaml.error_wording import word

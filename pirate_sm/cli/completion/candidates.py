@@ -47,10 +47,10 @@ def read(path: Path) -> Mapping[Any, Any]:
 
 def read_extended(path: Path) -> Mapping[Any, Any]:
     """Return what is in a file and in the one that it extends; nothing if they cannot be read."""
-    from pirate_sm.core.documents import extended_file
+    from pirate_sm.core import documents
 
     try:
-        return mapping(extended_file.read_extended(path).data)
+        return mapping(documents.read_extended(path).data)
     except (PirateError, OSError, ValueError):
         return {}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from pathlib import Path as FilePath
 
 from pirate_sm.core._loading import references
 from pirate_sm.core._loading.problems import LoadError, Problems
@@ -13,7 +13,7 @@ KEY = "extends"
 """The key that names the file below, relative to the folder of the file above."""
 
 
-def read_extended(path: Path) -> Document:
+def read_extended(path: FilePath) -> Document:
     """Return the document of a file, laid over the one that it extends, if it extends one.
 
     Mappings are merged; a list, a text or a number replaces what is below.
@@ -24,7 +24,7 @@ def read_extended(path: Path) -> Document:
     return _read(path, ())
 
 
-def extended_folders(path: Path) -> tuple[Path, ...]:
+def extended_folders(path: FilePath) -> tuple[FilePath, ...]:
     """Return the folders of a sound file and of all files that it extends, itself first."""
     data = read_document(path).data
     given = data.get(KEY) if isinstance(data, dict) else None
@@ -32,7 +32,7 @@ def extended_folders(path: Path) -> tuple[Path, ...]:
     return path.parent.resolve(), *below
 
 
-def _read(path: Path, above: tuple[Path, ...]) -> Document:
+def _read(path: FilePath, above: tuple[FilePath, ...]) -> Document:
     document = read_document(path)
     given = document.data.get(KEY) if isinstance(document.data, dict) else None
     if given is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from enum import StrEnum
-from pathlib import Path
+from pathlib import Path as FilePath
 
 from pirate_sm.core._loading.file_names import PROFILE_FILE
 from pirate_sm.core._loading.problems import LoadError, Problems
@@ -70,7 +70,7 @@ _WORD = r"""["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:(?=\s|$)"""
 _IN_BRACES = re.compile(r"""[\s{,]["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:""")
 
 
-def kind_of(path: Path) -> FileKind:
+def kind_of(path: FilePath) -> FileKind:
     """Return the kind of the file."""
     text = _beginning(path)
     kind = FileKind.UNREADABLE if text is None else kind_of_text(text)
@@ -123,7 +123,7 @@ def _lists_triggers(text: str) -> bool:
     return "trigger" in keys or len(keys) > 1
 
 
-def _beginning(path: Path) -> str | None:
+def _beginning(path: FilePath) -> str | None:
     """Return the beginning of the file, or None if it cannot be read."""
     try:
         with opened(path) as stream:

@@ -8,7 +8,8 @@ from pydantic import Field, model_validator
 
 from pirate_sm.core._model.actuation import Stages
 from pirate_sm.core._model.base import Frozen, Name
-from pirate_sm.core._model.quantities import Duration, Flag, Number, Speed, Torque
+from pirate_sm.core._model.quantities import Duration, Flag, Number, Torque
+from pirate_sm.core._model.quantities import Speed as SlipSpeed
 
 
 class Grip(Frozen):
@@ -33,7 +34,7 @@ class Grip(Frozen):
     share: Literal["as_printed", "corrected"] = "corrected"
     at_least: Annotated[Torque, Field(ge=0)] = 0.0
     at_most: Annotated[Torque, Field(gt=0)] | None = None
-    alarm: Annotated[Speed, Field(gt=0)] = 0.010
+    alarm: Annotated[SlipSpeed, Field(gt=0)] = 0.010
     lower_within: Annotated[Duration, Field(gt=0)] = 10.0
 
     @model_validator(mode="after")

@@ -6,7 +6,7 @@ from glob import glob
 from pathlib import Path
 from typing import Any, Protocol
 
-from pirate_sm.core.camera import camera_source as kinds
+from pirate_sm.core import camera as kinds
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.on_disk import is_file
 from pirate_sm.robot.vision.opencv import Frame, cv2

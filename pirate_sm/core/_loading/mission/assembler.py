@@ -6,19 +6,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pirate_sm.core._engine.mission.program import HandlerSpec, Instruction
+from pirate_sm.core._loading.mission.scope import Handlers, Label
 from pirate_sm.core._loading.problems import Path, Problems
 
 MOST_INSTRUCTIONS = 20_000
 """Largest number of instructions, with repeats unrolled and calls inlined."""
-
-
-class Label:
-    """A jump target whose position may be set later."""
-
-    __slots__ = ("index",)
-
-    def __init__(self) -> None:
-        self.index = -2
 
 
 class TooLongError(Exception):
@@ -26,10 +18,6 @@ class TooLongError(Exception):
 
     def __init__(self) -> None:
         self.by: tuple[Problems, Path] | None = None  # the outermost repeat
-
-
-Handlers = tuple[tuple[str, Label | None, str, frozenset[str] | None, str], ...]
-"""The fields of :class:`HandlerSpec`, with a label as the target."""
 
 
 @dataclass

@@ -22,7 +22,7 @@ from pirate_sm.core._loading.mission.scope import Source
 from pirate_sm.core._loading.pipe_file import check_fit, load_pipe
 from pirate_sm.core._loading.pipe_shape import check_section, part_of
 from pirate_sm.core._loading.problems import LoadError, Problem, Problems, Severity
-from pirate_sm.core._loading.robot import LoadedRobot, load_robot, with_fitted
+from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot, with_fitted
 from pirate_sm.core._loading.yaml.document import Document, read_document
 from pirate_sm.core._loading.yaml.validation import try_validate
 from pirate_sm.core._model.mission import Mission

@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import inf
 
 from pirate_sm.core._engine.mission.program import Enter, HandlerSpec, Program, Wait
-from pirate_sm.core._loading.mission import LoadedMission
-from pirate_sm.core._loading.robot import LoadedRobot
+from pirate_sm.core._loading.mission.loader import LoadedMission
+from pirate_sm.core._loading.robot.loader import LoadedRobot
 from pirate_sm.core._model.mission import End, Mission, Phase
 from pirate_sm.core._model.pipe import Pipe
 

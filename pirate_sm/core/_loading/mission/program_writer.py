@@ -7,19 +7,14 @@ from dataclasses import dataclass, field, replace
 from math import inf
 
 from pirate_sm.core._engine.mission import program as out
-from pirate_sm.core._loading.mission.assembler import Assembly, Handlers, Label, TooLongError
+from pirate_sm.core._loading.mission.assembler import Assembly, TooLongError
 from pirate_sm.core._loading.mission.called_missions import Calls, arguments_of, check_call
-from pirate_sm.core._loading.mission.scope import Scope
+from pirate_sm.core._loading.mission.scope import Handlers, Label, Scope, labels_of
 from pirate_sm.core._loading.mission.start_configuration import required_states
 from pirate_sm.core._loading.mission.wait_writer import wait_fields
 from pirate_sm.core._loading.problems import Path
-from pirate_sm.core._loading.robot import LoadedRobot
+from pirate_sm.core._loading.robot.loader import LoadedRobot
 from pirate_sm.core._model import mission as model
-
-
-def labels_of(mission: model.Mission) -> dict[str, Label]:
-    """Return a new label for each phase and end of a mission."""
-    return {name: Label() for name in (*mission.phases, *mission.ends)}
 
 
 @dataclass

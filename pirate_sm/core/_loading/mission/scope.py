@@ -17,7 +17,6 @@ from pirate_sm.core._expressions import (
     compile_condition,
     compile_expression,
 )
-from pirate_sm.core._loading.mission.assembler import Handlers, Label
 from pirate_sm.core._loading.mission.parameter_values import Value, Values
 from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.commands import constants_of
@@ -25,6 +24,7 @@ from pirate_sm.core._loading.yaml.document import Document
 from pirate_sm.core._model.mission import CONTINUE, FAIL, Mission
 from pirate_sm.core._model.profile import Profile
 from pirate_sm.core._model.quantities import Parameter
+from pirate_sm.core._model.triggers import Trigger
 from pirate_sm.core.spelling import nearest, one_of
 from pirate_sm.core.units import DIMENSIONLESS, LENGTH, TIME, Quantity, describe
 
@@ -42,6 +42,40 @@ _UNCAUGHT = "'{}' cannot be caught: it always ends the run"
 
 MOST_RETRIES = 100
 """Largest number of retries; the check explores each of them."""
+
+
+class Label:
+    """A jump target whose position may be set later."""
+
+    __slots__ = ("index",)
+
+    def __init__(self) -> None:
+        self.index = -2
+
+
+Handlers = tuple[tuple[str, Label | None, str, frozenset[str] | None, str], ...]
+"""The fields of :class:`HandlerSpec`, with a label as the target."""
+
+
+TIME_LIMIT = "within"
+"""The trigger name of a wait's time limit."""
+
+
+def labels_of(mission: Mission) -> dict[str, Label]:
+    """Return a new label for each phase and end of a mission."""
+    return {name: Label() for name in (*mission.phases, *mission.ends)}
+
+
+def trigger_names(triggers: Sequence[Trigger]) -> list[str]:
+    """Return a name for each trigger: its own, or its target with a number if that is taken."""
+    names: list[str] = []
+    for trigger in triggers:
+        usual = trigger.go or CONTINUE
+        name, again = trigger.name or usual, 2
+        while name in names:
+            name, again = f"{usual}_{again}", again + 1
+        names.append(name)
+    return names
 
 
 @dataclass(frozen=True)

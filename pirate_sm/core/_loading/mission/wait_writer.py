@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import inf
 
 from pirate_sm.core._engine.mission import program as out
-from pirate_sm.core._loading.mission.assembler import Label
-from pirate_sm.core._loading.mission.scope import Scope
+from pirate_sm.core._loading.mission.scope import TIME_LIMIT, Label, Scope, trigger_names
 from pirate_sm.core._loading.problems import Path
 from pirate_sm.core._model import mission as model
 from pirate_sm.core._model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
-
-TIME_LIMIT = "within"
-"""The trigger name of a wait's time limit."""
 
 KNOWN_WITHIN = " known within "
 """Follows a condition that needs a bound of the distance, the bound follows."""
@@ -86,18 +81,6 @@ def _trigger(
             return spec._replace(text=f"after {after_s:g} s", after_s=after_s)
         case OperatorTrigger(operator=word):
             return spec._replace(text=f"operator: {word}", answer=word)
-
-
-def trigger_names(triggers: Sequence[Trigger]) -> list[str]:
-    """Return a name for each trigger: its own, or its target with a number if that is taken."""
-    names: list[str] = []
-    for trigger in triggers:
-        usual = trigger.go or model.CONTINUE
-        name, again = trigger.name or usual, 2
-        while name in names:
-            name, again = f"{usual}_{again}", again + 1
-        names.append(name)
-    return names
 
 
 def _compares(trigger: out.TriggerSpec) -> bool:

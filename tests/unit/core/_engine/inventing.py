@@ -13,7 +13,7 @@ from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._loading.mission.program import build_program
 from pirate_sm.core._loading.mission.scope import Source
 from pirate_sm.core._loading.problems import Problems
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._loading.yaml.document import parse_document
 from pirate_sm.core._loading.yaml.validation import validate
 from pirate_sm.core._model.mission import Mission

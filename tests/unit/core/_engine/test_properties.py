@@ -17,8 +17,8 @@ from representative import thorough_but
 from world import COURSES, Action, Course, replay
 
 from pirate_sm.core._engine.mission.program import STOP, Finish, Program, Question, Wait
-from pirate_sm.core._loading.mission import LoadedMission, load_mission
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.mission.loader import LoadedMission, load_mission
+from pirate_sm.core._loading.robot.loader import load_robot
 
 SHIPPED = [
     *sorted((ROOT / "sequences").glob("*.yaml")),

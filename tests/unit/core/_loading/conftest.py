@@ -12,9 +12,9 @@ import pytest
 from checking.small_missions import MISSION
 
 from pirate_sm.core._loading.chart import table_cache as chart_cache
-from pirate_sm.core._loading.mission import LoadedMission, load_mission
+from pirate_sm.core._loading.mission.loader import LoadedMission, load_mission
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._loading.robot import LoadedRobot, load_robot
+from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot
 from pirate_sm.core.errors import UsageError
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -9,7 +9,7 @@ import pytest
 
 from pirate_sm.core._loading.extended_file import read_extended
 from pirate_sm.core._loading.problems import LoadError, Problems
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._loading.yaml.document import parse_document
 
 ROOT = Path(__file__).resolve().parents[4]

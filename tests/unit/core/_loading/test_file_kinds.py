@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.core._loading.file_kinds import FileKind, kind_of, kind_of_text
-from pirate_sm.core._loading.mission import load_mission
+from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core._loading.pipe_file import load_pipe
 from pirate_sm.core._loading.problems import LoadError
 from pirate_sm.core._loading.robot.twin_file import load_twin

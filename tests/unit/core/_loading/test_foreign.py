@@ -15,7 +15,7 @@ from pirate_sm.cli.entry import COMMANDS, _found
 from pirate_sm.cli.options.declaring import parameters_of
 from pirate_sm.cli.scene_steps import simulating, why_refused
 from pirate_sm.core._loading import foreign
-from pirate_sm.core._loading.mission import load_mission
+from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core._loading.problems import LoadError
 from pirate_sm.core._model.campaign import SimulatedBackend
 from pirate_sm.core.errors import UsageError

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.core._loading import library
-from pirate_sm.core._loading.mission import load_mission
+from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core.errors import UsageError
 
 ROOT = Path(__file__).resolve().parents[4]

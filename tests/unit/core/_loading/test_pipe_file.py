@@ -10,7 +10,7 @@ import pytest
 from pirate_sm.core._loading.pipe_file import load_pipe, reach
 from pirate_sm.core._loading.pipe_shape import check_pipe
 from pirate_sm.core._loading.problems import LoadError, Problems
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 
 ROOT = Path(__file__).resolve().parents[4]
 PIPES = [

@@ -10,7 +10,7 @@ import pytest
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._loading.library import find_robot
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._loading.trace_script import read_script, resolve_course
 from pirate_sm.core._loading.yaml.document import parse_document
 from pirate_sm.core._model.trace_script import Happening

@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._engine.inputs import why_not_command
-from pirate_sm.core._loading.mission import load_mission
+from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core._model.effects import CommandStatus
 from pirate_sm.core._model.events import Abort, OperatorCommand, SubmitResult, Tick
 

@@ -10,7 +10,7 @@ from cut_off import CutOff
 from driving import BOTH_CLAMPED, IDLE, changed_newt, command
 
 from pirate_sm.core._engine.resuming.hypotheses import DarkWay, dark_way, odometry_m
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 
 RADIUS_M = 0.024
 WHEELS = range(1, 7)

@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.core._engine.robot import command_outcome
 from pirate_sm.core._engine.robot.command_outcome import changes, needs, refusal, taken_in
 from pirate_sm.core._engine.robot.robot_state import at_rest_in
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 
 ROOT = Path(__file__).resolve().parents[5]
 

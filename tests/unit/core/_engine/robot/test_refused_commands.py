@@ -17,7 +17,7 @@ from driving import (
 
 from pirate_sm.core._engine.robot.command_outcome import refusal
 from pirate_sm.core._engine.robot.robot_state import DECLARED, STOPPED, Mark, at_rest_in
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._model.events import Skip
 
 FRONT_HELD = {

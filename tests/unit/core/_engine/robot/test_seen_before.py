@@ -10,7 +10,7 @@ from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import at_rest_in
 from pirate_sm.core._loading import library
-from pirate_sm.core._loading.mission import load_mission
+from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core._model.effects import Setpoints
 from pirate_sm.core._model.events import SensorFrame
 

@@ -6,7 +6,7 @@ from typing import Literal
 import pytest
 
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 
 ROOT = Path(__file__).resolve().parents[5]
 ROBOTS = (ROOT / "hardware_profiles" / "pirate_ii", ROOT / "tests" / "robots" / "newt")

@@ -16,7 +16,7 @@ from pirate_sm.core._engine.sensing.known_signals import (
     Sensing,
     nothing_known,
 )
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 
 ROUND_S, SPEED = 0.1, 0.8
 LEVEL, UP = 0.0, pi / 2

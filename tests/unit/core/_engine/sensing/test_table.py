@@ -7,7 +7,7 @@ from driving import NEWT, PIRATE
 
 from pirate_sm.core._engine.sensing.conversion import signal_table
 from pirate_sm.core._engine.sensing.known_signals import nothing_known
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 
 
 @pytest.mark.parametrize("folder", [PIRATE, NEWT])

@@ -12,7 +12,7 @@ from driving import PIRATE
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.known_signals import DistanceMemory, Sensing, nothing_known
 from pirate_sm.core._engine.sensing.wheels import Believed, believed
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 
 ROUND_S, NOW_S = 0.1, 50.0
 EVERY = frozenset(range(6))

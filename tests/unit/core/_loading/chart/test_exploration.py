@@ -20,7 +20,7 @@ from pirate_sm.core._loading.chart.exploration import compile_chart
 from pirate_sm.core._loading.chart.outline_reader import outline_chart
 from pirate_sm.core._loading.chart.table_cache import cached_table
 from pirate_sm.core._loading.problems import LoadError, Problems
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._loading.yaml.document import parse_document, read_document
 
 ROOT = Path(__file__).resolve().parents[5]

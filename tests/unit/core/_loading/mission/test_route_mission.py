@@ -13,7 +13,7 @@ from pirate_sm.core._loading.mission.route_mission import (
     course_along,
     mission_along,
 )
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._loading.yaml.document import parse_document
 from pirate_sm.core._loading.yaml.validation import validate
 from pirate_sm.core._model.mission import CallStep, Mission

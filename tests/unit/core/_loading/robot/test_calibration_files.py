@@ -11,7 +11,6 @@ import pytest
 from pirate_sm.core._engine.sensing.conversion import observe
 from pirate_sm.core._engine.sensing.known_signals import nothing_known
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._loading.robot import LoadedRobot, load_robot
 from pirate_sm.core._loading.robot import calibration_files as calibrations
 from pirate_sm.core._loading.robot.calibration_files import (
     find_calibration,
@@ -22,6 +21,7 @@ from pirate_sm.core._loading.robot.calibration_files import (
     summary,
     with_zeros,
 )
+from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot
 from pirate_sm.core._model.calibration import Calibration
 from pirate_sm.core._model.events import SensorFrame
 from pirate_sm.core.errors import UsageError

@@ -10,7 +10,7 @@ import pytest
 from pirate_sm.core._engine.robot.command_spec import GripSpec, Write
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 
 PIRATE = Path(__file__).resolve().parents[5] / "hardware_profiles" / "pirate_ii"
 MORE = """\

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._loading.robot import load_robot
+from pirate_sm.core._loading.robot.loader import load_robot
 
 from .broken_profiles import FAULTS, GRIP_FAULTS, TRACTION_FAULTS
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._loading.robot import LoadedRobot, load_robot
+from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot
 
 NEWT = Path(__file__).resolve().parents[4] / "robots" / "newt"
 OLD = "after: clamps > 0\n    never: clamps == 0\n    waived_by: allow_unclamp"

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.core._engine.sensing.board_spec import PlausibilitySpec, WatchSpec
-from pirate_sm.core._loading.robot import LoadedRobot, load_robot
+from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot
 
 ROOT = Path(__file__).resolve().parents[5]
 SIX_WHEELED = ROOT / "hardware_profiles" / "pirate_ii"
