@@ -80,11 +80,11 @@ ALPHABETS = {
             "views/drawing/graph/mission_graph.py",
             "views/drawing/words.py",
             "views/interchange/scxml.py",
-            "core/_loading/mission/wait_writer.py",
+            "core/_loading/mission/program_writer.py",
         ),
     ),
     "criterion": Alphabet(
-        "core/_model/criteria.py",
+        "core/_model/robot/criteria.py",
         "| Aligned | Below",
         "NewCriterion(Frozen)",
         ("views/drawing/words.py", "core/_loading/robot/commands.py"),
@@ -105,16 +105,16 @@ ALPHABETS = {
         ("checking/robot/profile_behaviour.py", "core/_engine/robot/sensor_verdict.py"),
     ),
     "derived signal": Alphabet(
-        "core/_model/derived.py",
+        "core/_model/robot/signals.py",
         '| Annotated[SpeedOf, Tag("speed_of")]',
         "NewOf(Frozen)",
-        ("core/_loading/robot/boards.py", "core/_loading/robot/derived_signals.py"),
+        ("core/_loading/robot/sensing.py", "core/_loading/robot/signals.py"),
     ),
     "setpoint": Alphabet(
-        "core/_model/actuation.py",
+        "core/_model/robot/actuation.py",
         '| Literal["keep"]',
         "NewSetpoint(NamedTuple)",
-        ("core/_loading/robot/actuation.py", "core/_model/actuation.py"),
+        ("core/_loading/robot/actuation.py", "core/_model/robot/actuation.py"),
     ),
     "loop": Alphabet(
         "core/_engine/robot/loops.py",
@@ -127,7 +127,7 @@ ALPHABETS = {
         ),
     ),
     "origin of a fault": Alphabet(
-        "core/_model/fault_codes.py",
+        "core/_model/faults.py",
         'Literal["sensors", "link", "camera", "surroundings", "program"]',
         "NewOrigin(Enum)",
         ("checking/reports/text.py",),

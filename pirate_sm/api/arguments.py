@@ -14,7 +14,7 @@ from pirate_sm.checking.findings import Finding, settle
 from pirate_sm.checking.mission.check_mission import check_loaded
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.options import OPTIONS, Options, as_text
+from pirate_sm.core.options import OPTIONS, Options, defect_as_text
 from pirate_sm.core.spelling import unknown
 from pirate_sm.running import wiring
 from pirate_sm.running.wiring import Order, Prepared
@@ -156,7 +156,7 @@ def _taken(name: str, value: Any) -> Any:
         return _path_or_none(value)
     if name == "defects":
         listed = (value,) if isinstance(value, str | Mapping) else value
-        value = tuple(map(as_text, listed)) if isinstance(listed, Iterable) else listed
+        value = tuple(map(defect_as_text, listed)) if isinstance(listed, Iterable) else listed
     if kind == int | None and value is not None:
         return whole(value, name, OPTIONS[name].least or 0)
     if get_origin(kind) is Literal and value not in get_args(kind):

@@ -8,24 +8,20 @@ from pirate_sm.core._model.camera import (
     FEWEST_POINTS,
     Camera,
     CameraPose,
-    Lens,
-    MarkedRobot,
-    Marker,
-    RobotTags,
-    TagFamily,
-)
-from pirate_sm.core._model.camera_source import (
     CameraSource,
     DeviceSource,
     FileSource,
     FrameSize,
     ImagesSource,
-    SyntheticSource,
-    UrlSource,
-)
-from pirate_sm.core._model.synthetic_camera import (
     Imperfections,
     LampColour,
+    Lens,
     Lighting,
+    MarkedRobot,
+    Marker,
+    RobotTags,
+    SyntheticSource,
     SyntheticView,
+    TagFamily,
+    UrlSource,
 )

@@ -9,12 +9,15 @@ from pirate_sm.core._model.campaign import (
     CampaignMission,
     DefectSet,
     Expectation,
+    Expected,
+    LineFaults,
     RunChoices,
+    Scene,
+    SceneStep,
+    StartJitter,
     StoppingRule,
     TrueEnd,
     Value,
     ValueRange,
     Values,
 )
-from pirate_sm.core._model.scene import Expected, Scene, SceneStep
-from pirate_sm.core._model.variations import LineFaults, StartJitter

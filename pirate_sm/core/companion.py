@@ -14,7 +14,7 @@ from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.state import EngineState
 from pirate_sm.core._model.effects import Effect, Log
 from pirate_sm.core._model.events import Event
-from pirate_sm.core._model.word_watch import Look, WordWatch
+from pirate_sm.core._model.whereabouts import Look, WordWatch
 
 
 class Companion(Protocol):

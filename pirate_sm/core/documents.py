@@ -5,8 +5,6 @@
 from __future__ import annotations
 
 from pirate_sm.core._loading import problems
-from pirate_sm.core._loading.extended_file import read_extended
-from pirate_sm.core._loading.file_kinds import FileKind, kind_of, kind_of_text
 from pirate_sm.core._loading.problems import (
     Edit,
     LoadError,
@@ -18,6 +16,8 @@ from pirate_sm.core._loading.problems import (
     Severity,
     cut,
 )
+from pirate_sm.core._loading.references import FileKind, kind_of, kind_of_text, read_extended
+from pirate_sm.core._loading.yaml.composer import YamlNode
 from pirate_sm.core._loading.yaml.document import (
     LARGEST_FILE,
     Document,
@@ -25,4 +25,3 @@ from pirate_sm.core._loading.yaml.document import (
     read_document,
     read_text,
 )
-from pirate_sm.core._loading.yaml.nodes import YamlNode

@@ -4,16 +4,8 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._model.effect_display import (
-    EFFECT_TABLES,
-    LaneMark,
-    LaneSpan,
-    Level,
-    MarkKind,
-    SpanKind,
-    with_reason,
-)
 from pirate_sm.core._model.effects import (
+    EFFECT_TABLES,
     Ask,
     CommandStatus,
     Detected,
@@ -21,13 +13,19 @@ from pirate_sm.core._model.effects import (
     Ended,
     Environment,
     Fault,
+    LaneMark,
+    LaneSpan,
+    Level,
     Log,
+    MarkKind,
     PhaseChange,
     Setpoints,
+    SpanKind,
     StateChange,
     TriggerFired,
     WaitArmed,
     WakeAt,
     display_of,
+    with_reason,
 )
-from pirate_sm.core._model.unmet import Unmet
+from pirate_sm.core._model.faults import Unmet

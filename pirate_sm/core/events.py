@@ -14,6 +14,7 @@ from pirate_sm.core._model.events import (
     EnvironmentReport,
     Event,
     FaultReport,
+    FrameBlock,
     GoTo,
     Observation,
     OperatorCommand,
@@ -29,7 +30,5 @@ from pirate_sm.core._model.events import (
     SubmitStatus,
     Tick,
 )
-from pirate_sm.core._model.fault_codes import BUILT_IN_FAULTS, BuiltInFault, Origin
-from pirate_sm.core._model.frame_block import FrameBlock
-from pirate_sm.core._model.sighting import SeenMark, Sighting
-from pirate_sm.core._model.word_watch import Look, WordWatch
+from pirate_sm.core._model.faults import BUILT_IN_FAULTS, BuiltInFault, Origin
+from pirate_sm.core._model.whereabouts import Look, SeenMark, Sighting, WordWatch

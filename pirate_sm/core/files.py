@@ -5,6 +5,5 @@
 from __future__ import annotations
 
 from pirate_sm.core._loading import foreign, library
-from pirate_sm.core._loading.file_names import PROFILE_FILE, shown
 from pirate_sm.core._loading.foreign import SIMULATED, is_below, is_device
-from pirate_sm.core._loading.library import find_mission, is_path
+from pirate_sm.core._loading.library import PROFILE_FILE, find_mission, is_path, shown

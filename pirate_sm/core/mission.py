@@ -23,5 +23,11 @@ from pirate_sm.core._model.mission import (
     WaitStep,
     every_step,
 )
-from pirate_sm.core._model.trace_script import UNKNOWN, Happening
-from pirate_sm.core._model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
+from pirate_sm.core._model.triggers import (
+    UNKNOWN,
+    ConditionTrigger,
+    Happening,
+    OperatorTrigger,
+    TimeTrigger,
+    Trigger,
+)

@@ -4,15 +4,20 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._model.defect_text import KEYS, as_text, keys_of, number_of, numbers_of
-from pirate_sm.core._model.fidelity import USUAL, Fidelity
 from pirate_sm.core._model.run_options import (
+    DEFECT_KEYS,
     DIFFERS,
     JITTER,
     OPTIONS,
     OTHERS,
+    USUAL,
+    Fidelity,
     GivenOptions,
     Options,
     RunOption,
+    defect_as_text,
+    keys_of_defect,
+    number_of_defect,
+    numbers_of_defect,
     written,
 )

@@ -4,9 +4,12 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._model import body, criteria, derived
-from pirate_sm.core._model.actuation import (
+from pirate_sm.core._model.base import DEFINED, LONGEST_NAME, Format, Frozen, Name
+from pirate_sm.core._model.robot import body, criteria, signals
+from pirate_sm.core._model.robot.actuation import (
+    Control,
     Duty,
+    Grip,
     HeldTorque,
     Level,
     PostureCase,
@@ -15,21 +18,17 @@ from pirate_sm.core._model.actuation import (
     Stage,
     Target,
 )
-from pirate_sm.core._model.base import DEFINED, LONGEST_NAME, Format, Frozen, Name
-from pirate_sm.core._model.body import Body, Link, Wheel
-from pirate_sm.core._model.calibration import Calibration
-from pirate_sm.core._model.control import Control, Grip
-from pirate_sm.core._model.criteria import Load, Stalled, Turning
-from pirate_sm.core._model.motor import Motor
-from pirate_sm.core._model.profile import (
+from pirate_sm.core._model.robot.body import Body, Calibration, Link, Motor, Wheel
+from pirate_sm.core._model.robot.criteria import Load, SafetyRule, Stalled, Turning
+from pirate_sm.core._model.robot.profile import (
     Board,
     Channel,
     Command,
     DetectorPoint,
     LinkSettings,
+    PassedBy,
     Profile,
     Slot,
+    Travel,
 )
-from pirate_sm.core._model.safety import SafetyRule
-from pirate_sm.core._model.serial_link import Advice, Serial, SetpointTopic, StateTopic
-from pirate_sm.core._model.travel import PassedBy, Travel
+from pirate_sm.core._model.robot.signals import Advice, Serial, SetpointTopic, StateTopic

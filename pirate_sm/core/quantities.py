@@ -7,6 +7,7 @@ from __future__ import annotations
 from pirate_sm.core._model import quantities
 from pirate_sm.core._model.quantities import (
     FROM_FILE,
+    QUANTITY,
     Angle,
     Count,
     Duration,
@@ -15,4 +16,3 @@ from pirate_sm.core._model.quantities import (
     Parameter,
     Speed,
 )
-from pirate_sm.core._model.quantity_patterns import QUANTITY

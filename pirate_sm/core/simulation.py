@@ -4,14 +4,13 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._model.simulation import (
+from pirate_sm.core._model.robot.simulation import (
     SIMULATORS,
     Defect,
     DefectText,
     Friction,
     Kind,
     RulerSettings,
+    Twin,
 )
-from pirate_sm.core._model.trail import Rows, Stood, Trail, Whereabouts
-from pirate_sm.core._model.true_position import InSpace, Truth
-from pirate_sm.core._model.twin import Twin
+from pirate_sm.core._model.whereabouts import InSpace, Rows, Stood, Trail, Truth, Whereabouts

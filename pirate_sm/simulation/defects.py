@@ -15,7 +15,7 @@ import numpy as np
 
 from pirate_sm.core.errors import NO_HINT, Hint, UsageError
 from pirate_sm.core.expressions import NumberType, Vocabulary, compile_expression
-from pirate_sm.core.options import KEYS, number_of, numbers_of
+from pirate_sm.core.options import DEFECT_KEYS, number_of_defect, numbers_of_defect
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.simulation import Defect
 from pirate_sm.core.spelling import unknown
@@ -305,16 +305,16 @@ def _with_numbers(
     defect: Defect, text: str, profile: Profile, rng: np.random.Generator
 ) -> tuple[Defect, str]:
     """Return the defect with the numbers in its text, and the text with ranges drawn."""
-    name, numbers = text.partition(":")[0], numbers_of(text, defect.kind)
+    name, numbers = text.partition(":")[0], numbers_of_defect(text, defect.kind)
     scales = _scales(defect, profile) if numbers else {}
     measured = [dimension for _, dimension in scales.values()] or [ANGLE]
     changed: dict[str, Any] = {}
     for key, written in numbers.items():
         try:
-            number, numbers[key] = number_of(key, written, measured, rng.uniform)
+            number, numbers[key] = number_of_defect(key, written, measured, rng.uniform)
         except UsageError as error:
             raise UsageError(f"{name}: {key}: {error}") from None
-        if KEYS[key].dimension is not None:
+        if DEFECT_KEYS[key].dimension is not None:
             changed[key] = number.value
             continue
         shown = {

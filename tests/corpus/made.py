@@ -163,12 +163,12 @@ MADE: dict[str, Made] = {
     "the chart of the PIRATE has too many combinations": Made(
         _robot("pirate_ii"),
         ("chart.too_large", "chart.yaml", 21),
-        limits={"pirate_sm.core._loading.chart.exploration.MOST_CONFIGURATIONS": 100},
+        limits={"pirate_sm.core._loading.chart_exploration.MOST_CONFIGURATIONS": 100},
     ),
     "the chart of the newt has too many combinations": Made(
         _robot("newt"),
         ("chart.too_large", "chart.yaml", 2),
-        limits={"pirate_sm.core._loading.chart.exploration.MOST_CONFIGURATIONS": 10},
+        limits={"pirate_sm.core._loading.chart_exploration.MOST_CONFIGURATIONS": 10},
     ),
     "a mission can come to more situations than are looked at": Made(
         _written("m.yaml", _mission("[ClampFront, ClampRear, DriveForward, Brake]")),

@@ -15,7 +15,7 @@ from pirate_sm.core.expressions import EnumType, NumberType
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedRobot, load_robot, validate
 from pirate_sm.core.mission import Mission
-from pirate_sm.core.options import keys_of
+from pirate_sm.core.options import keys_of_defect
 from pirate_sm.core.panel import Panel
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.registry import Registry
@@ -72,7 +72,7 @@ def _vocabulary(robot: LoadedRobot) -> Iterable[Row]:
 def _defects(folders: Iterable[Path]) -> None:
     for folder in folders:
         defects = load_robot(folder).profile.simulation.defects
-        rows = [(n, ", ".join(keys_of(d.kind)), d.description) for n, d in defects.items()]
+        rows = [(n, ", ".join(keys_of_defect(d.kind)), d.description) for n, d in defects.items()]
         print_table(f"defects of {folder.name}", rows)
 
 

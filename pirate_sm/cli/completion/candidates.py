@@ -21,7 +21,7 @@ import typer
 from pirate_sm.core.errors import PirateError, UsageError
 from pirate_sm.core.files import PROFILE_FILE, library
 from pirate_sm.core.on_disk import is_file, is_folder, opened
-from pirate_sm.core.options import KEYS, keys_of
+from pirate_sm.core.options import DEFECT_KEYS, keys_of_defect
 
 # --- reading for a shell ------------------------------------------------------------------------
 
@@ -327,8 +327,8 @@ def defects(context: typer.Context, typed: str) -> Iterator[Candidate]:
         yield from described(known)
         return
     before = typed[: max(typed.rfind(":"), typed.rfind(",")) + 1]
-    for key in keys_of(line(mapping(known.get(name)).get("kind"))):
-        yield f"{before}{key}=", KEYS[key].meaning
+    for key in keys_of_defect(line(mapping(known.get(name)).get("kind"))):
+        yield f"{before}{key}=", DEFECT_KEYS[key].meaning
 
 
 def joints(context: typer.Context, typed: str) -> Iterator[Candidate]:

@@ -49,7 +49,7 @@ from pirate_sm.core._model.events import (
     Step,
     SubmitResult,
 )
-from pirate_sm.core._model.fault_codes import BuiltInFault
+from pirate_sm.core._model.faults import BuiltInFault
 
 # --- backends and detectors -------------------------------------------------------------------
 

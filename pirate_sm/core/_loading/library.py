@@ -8,16 +8,29 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from pirate_sm.core._loading.file_names import PROFILE_FILE, shown
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.on_disk import is_file, is_folder, is_there, why_hidden
 from pirate_sm.core.spelling import meant, nearest
 
+PROFILE_FILE = "profile.yaml"
 _PACKAGE = Path(__file__).resolve().parents[2]
 SUFFIXES = (".yaml", ".yml")
 _RECORDING = ".mcap"
 _LONGEST_NAME = 100
 _LONGEST_MESSAGE = 600
+
+
+def shown(path: Path) -> str:
+    """Return the path for messages, relative if it is inside the current folder.
+
+    A symbolic link is resolved, so that a file has only one name; a broken link keeps its own.
+    """
+    try:
+        here = Path.cwd()
+        whole = path.resolve() if is_file(path) or is_folder(path) else path.absolute()
+    except (OSError, RuntimeError, ValueError):
+        return str(path).replace("\0", "\\0")
+    return str(whole.relative_to(here)) if whole.is_relative_to(here) else str(path)
 
 
 def shipped() -> Path:

@@ -1,8 +1,9 @@
-"""Follow references from one file to another, optionally only inside the project.
+"""Follow references from one file to another, also to one that it extends, and tell kinds of files.
 
 A mission may come from an untrusted source, and messages quote the files that they concern, for
 instance in the log of a build server. Therefore only files in our formats are quoted, and a check
-can restrict references to the project.
+can restrict references to the project. The kind of a file is known from its text, even if the file
+is too broken to be read.
 """
 
 from __future__ import annotations
@@ -11,11 +12,13 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from enum import StrEnum
 from pathlib import Path as FilePath
 
 from pirate_sm.core._loading import library
+from pirate_sm.core._loading.library import PROFILE_FILE
 from pirate_sm.core._loading.problems import LoadError, Path, Problems
-from pirate_sm.core._loading.yaml.document import LARGEST_FILE
+from pirate_sm.core._loading.yaml.document import LARGEST_FILE, Document, read_document
 from pirate_sm.core.errors import PirateError, UsageError
 from pirate_sm.core.on_disk import is_there, opened
 
@@ -113,3 +116,173 @@ def _has(file: FilePath, keys: tuple[str, ...]) -> bool:
         found = re.findall(rf"""(?:^|[{{,\r])\s*["']?({names})["']?\s*:""", text, re.MULTILINE)
         return not text.strip() or len(set(found)) >= LEAST_KEYS
     return True
+
+
+EXTENDS = "extends"
+"""The key that names the file below, relative to the folder of the file above."""
+
+
+def read_extended(path: FilePath) -> Document:
+    """Return the document of a file, laid over the one that it extends, if it extends one.
+
+    Mappings are merged; a list, a text or a number replaces what is below.
+
+    Raises:
+        LoadError: A file cannot be read, or the files extend each other; holds all faults.
+    """
+    return _read_above(path, ())
+
+
+def extended_folders(path: FilePath) -> tuple[FilePath, ...]:
+    """Return the folders of a sound file and of all files that it extends, itself first."""
+    data = read_document(path).data
+    given = data.get(EXTENDS) if isinstance(data, dict) else None
+    below = extended_folders(path.parent / str(given)) if given else ()
+    return path.parent.resolve(), *below
+
+
+def _read_above(path: FilePath, above: tuple[FilePath, ...]) -> Document:
+    document = read_document(path)
+    given = document.data.get(EXTENDS) if isinstance(document.data, dict) else None
+    if given is None:
+        return document
+    problems = Problems(document)
+    if not isinstance(given, str) or not given:
+        problems.add(
+            "robot.extends", (EXTENDS,), "expected the path of the file that this one extends"
+        )
+        problems.raise_errors()
+    below, files = path.parent / str(given), (*above, path.resolve())
+    if below.resolve() in files:
+        problems.add("robot.extends", (EXTENDS,), "these files extend each other")
+        problems.raise_errors()
+    try:
+        return document.extending(_read_above(followed(below, path.parent), files), EXTENDS)
+    except UsageError as error:
+        problems.add(code_of(error, "robot.extends"), (EXTENDS,), str(error))
+    except LoadError as error:
+        problems.take(error, "robot.extends", (EXTENDS,))
+    problems.raise_errors()
+    raise AssertionError("raise_errors raises here")
+
+
+class FileKind(StrEnum):
+    """The known kinds of files."""
+
+    ROBOT = "robot"
+    CHART = "chart"
+    PIPE = "pipe"
+    CALIBRATION = "calibration"
+    CAMERA = "camera"
+    PANEL = "panel"
+    MISSION = "mission"
+    SCRIPT = "trace script"
+    EXPERIMENT = "experiment"
+    TWIN = "twin"
+    CAMPAIGN = "campaign"
+    SCENE = "scene"
+    UNREADABLE = "unreadable file"
+    OTHER = "other file"
+
+
+_TELLING = (
+    (FileKind.CAMPAIGN, {"campaign"}),
+    (FileKind.SCENE, {"scene", "steps"}),
+    (FileKind.SCENE, {"scene", "title"}),
+    (FileKind.MISSION, {"phases"}),
+    (FileKind.MISSION, {"mission", "start"}),
+    (FileKind.MISSION, {"mission", "robot"}),
+    (FileKind.MISSION, {"mission", "ends"}),
+    (FileKind.ROBOT, {"boards"}),
+    (FileKind.ROBOT, {"body", "chart"}),
+    (FileKind.ROBOT, {"robot", "chart"}),
+    (FileKind.ROBOT, {"actuation"}),
+    (FileKind.PIPE, {"segments"}),
+    (FileKind.PIPE, {"pipe", "diameter"}),
+    (FileKind.PIPE, {"pipe", "runs"}),
+    (FileKind.PIPE, {"diameter", "runs"}),
+    (FileKind.PIPE, {"runs", "junctions"}),
+    (FileKind.CALIBRATION, {"robot", "zeros"}),
+    (FileKind.EXPERIMENT, {"experiment"}),
+    (FileKind.TWIN, {"robot", "motors"}),
+    (FileKind.TWIN, {"robot", "friction"}),
+    (FileKind.TWIN, {"robot", "joints"}),
+    (FileKind.CAMERA, {"camera", "source"}),
+    (FileKind.CAMERA, {"camera", "setup"}),
+    (FileKind.PANEL, {"buttons"}),
+    (FileKind.PANEL, {"panel", "controls"}),
+)
+"""Combinations of top-level keys that identify a kind of file; the first match decides."""
+
+_ENTRY = {"phase", "trigger", "after"}
+"""Keys of an entry of a trace script; two of them identify a script if a third is misspelt."""
+
+_EXTENDING = re.compile(r"^extends[ \t]*:", re.MULTILINE)
+
+_CONTENT = re.compile(r"^([ ]*)([^\s#%].*)$", re.MULTILINE)
+_WORD = r"""["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:(?=\s|$)"""
+_IN_BRACES = re.compile(r"""[\s{,]["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:""")
+
+
+def kind_of(path: FilePath) -> FileKind:
+    """Return the kind of the file."""
+    text = _beginning(path)
+    kind = FileKind.UNREADABLE if text is None else kind_of_text(text)
+    extends = kind is FileKind.OTHER and path.name == PROFILE_FILE and _EXTENDING.search(text or "")
+    return FileKind.ROBOT if extends else kind
+
+
+def kind_of_text(text: str) -> FileKind:
+    """Return the kind of a file with this text."""
+    text = "\n".join(text.splitlines())  # a line may end in CR alone, which `^` does not know
+    first = next((each for each in _CONTENT.finditer(text) if each[2].rstrip() != "---"), None)
+    if first is None:
+        return FileKind.OTHER
+    if first[2].startswith(("-", "[")):
+        return FileKind.SCRIPT if _lists_triggers(text) else FileKind.OTHER
+    if first[2].startswith("{"):
+        keys = set(_IN_BRACES.findall(text))
+    else:
+        keys = set(re.findall(f"^{first[1]}{_WORD}", text, re.MULTILINE))
+    if "states" in keys and re.search(r"\bparallel\b", text):
+        return FileKind.CHART
+    if "trigger" in keys and keys <= _ENTRY:
+        return FileKind.SCRIPT  # one entry, and the list is forgotten
+    if "course" in keys and ("format" in keys or re.search(r"\bhappens\b", text)):
+        return FileKind.SCRIPT
+    return next((kind for kind, needed in _TELLING if needed <= keys), FileKind.OTHER)
+
+
+def refuse_other(document: Document, wanted: FileKind) -> None:
+    """Refuse a file of another known kind in one sentence, instead of all its unknown keys.
+
+    Raises:
+        LoadError: The file is of another kind.
+    """
+    kind = kind_of_text(document.text)
+    if kind in (wanted, FileKind.OTHER, FileKind.UNREADABLE):
+        return
+    problems = Problems(document)
+    problems.add("kind", (), f"expected a {wanted}, and this is {_with_article(kind)}")
+    raise LoadError(problems.all)
+
+
+def _with_article(kind: FileKind) -> str:
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+
+
+def _lists_triggers(text: str) -> bool:
+    """Return whether a file that holds a list is a trace script."""
+    keys = {key for key in _ENTRY if re.search(rf"""\b{key}["']?[ \t]*:""", text)}
+    return "trigger" in keys or len(keys) > 1
+
+
+def _beginning(path: FilePath) -> str | None:
+    """Return the beginning of the file, or None if it cannot be read."""
+    try:
+        with opened(path) as stream:
+            content = stream.read(LARGEST_FILE)
+    except (OSError, ValueError):
+        return None
+    wide = content.startswith((b"\xff\xfe", b"\xfe\xff"))
+    return content.decode("utf-16" if wide else "utf-8-sig", errors="replace")

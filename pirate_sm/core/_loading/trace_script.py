@@ -12,7 +12,7 @@ from pirate_sm.core._loading.problems import Problems
 from pirate_sm.core._loading.yaml.document import Document
 from pirate_sm.core._loading.yaml.validation import try_validate, validate
 from pirate_sm.core._model.events import SignalReport
-from pirate_sm.core._model.trace_script import UNKNOWN, Course, Happening, ScriptEntry
+from pirate_sm.core._model.triggers import UNKNOWN, Course, Happening, ScriptEntry
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.spelling import meant, one_of
 from pirate_sm.core.units import QuantityError, read_quantity

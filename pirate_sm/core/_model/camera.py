@@ -1,4 +1,4 @@
-"""A camera over the setup: its pictures, its lens, where it hangs, and what it looks for."""
+"""A camera over the setup: where its pictures come from, its lens, its place, what it looks for."""
 
 from __future__ import annotations
 
@@ -7,8 +7,174 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import Field, StringConstraints, Tag, model_validator
 
 from pirate_sm.core._model.base import Format, Frozen, Name, by_key
-from pirate_sm.core._model.camera_source import CameraSource
-from pirate_sm.core._model.quantities import Angle, Count, Duration, Length, Number, Pixels
+from pirate_sm.core._model.quantities import (
+    Angle,
+    Count,
+    Duration,
+    Frequency,
+    Length,
+    Number,
+    Pixels,
+    Ratio,
+)
+
+LampColour = Literal["neutral", "warm", "cold"]
+
+
+class Lighting(Frozen):
+    """The light on the setup.
+
+    Attributes:
+        gain: Brightness of the picture; 1 is well exposed, more than 1.5 overexposed.
+        lamp: Colour of the lamp; the camera's white balance stays as for ``neutral``.
+        uneven: How much darker the picture is at its darkest edge than at its brightest.
+        glare: Whether the robot's own lamps shine on the pipe.
+    """
+
+    gain: Annotated[Ratio, Field(gt=0, le=10)] = 1.0
+    lamp: LampColour = "neutral"
+    uneven: Annotated[Ratio, Field(ge=0, lt=1)] = 0.25
+    glare: bool = False
+
+
+class Imperfections(Frozen):
+    """The errors of a camera.
+
+    Attributes:
+        noise: Standard deviation of the noise of each pixel, of 255.
+        blur: Standard deviation of the blur of the lens, in pixels.
+        shutter: How long the shutter is open; what moves is smeared.
+        jpeg: Quality of the JPEG compression, 100 for the best; 0 for none.
+        lost: Share of frames that are lost.
+    """
+
+    noise: Annotated[float, Field(ge=0, le=50)] = 3.0
+    blur: Annotated[float, Field(ge=0, le=20)] = 0.6
+    shutter: Annotated[Duration, Field(ge=0, le=1)] = 0.01
+    jpeg: Annotated[Count, Field(le=100)] = 90
+    lost: Annotated[Ratio, Field(ge=0, lt=1)] = 0.0
+
+
+class Hand(Frozen):
+    """Something that covers a part of the picture, such as a hand.
+
+    Attributes:
+        at: Where its middle is in the plane of the setup.
+        size: Its diameter.
+    """
+
+    at: tuple[Length, Length]
+    size: Annotated[Length, Field(gt=0)]
+
+
+class SyntheticView(Frozen):
+    """A camera that draws its pictures from the truth of the simulator.
+
+    Attributes:
+        light: The light on the setup.
+        camera: The errors of the camera.
+        through: What the robot is seen through: ``air`` between open walls, or ``pvc``, a clear
+            pipe with reflections.
+        hides: What covers a part of the picture.
+        seed: Of noise and lost frames, beside the seed of the run.
+    """
+
+    light: Lighting = Lighting()
+    camera: Imperfections = Imperfections()
+    through: Literal["air", "pvc"] = "air"
+    hides: tuple[Hand, ...] = ()
+    seed: Count = 0
+
+
+FrameSize: TypeAlias = tuple[
+    Annotated[Count, Field(ge=32, le=8192)], Annotated[Count, Field(ge=32, le=8192)]
+]
+Text = Annotated[str, StringConstraints(min_length=1)]
+
+
+class _Pictures(Frozen):
+    """What every source has.
+
+    Attributes:
+        size: Width and height of its pictures, in pixels. The lens is valid for these only.
+        rate: How many pictures it takes.
+    """
+
+    size: FrameSize
+    rate: Annotated[Frequency, Field(gt=0, le=1000)] = 30.0
+
+
+class DeviceSource(_Pictures):
+    """A camera of this computer.
+
+    Attributes:
+        device: Its number, as in ``/dev/video0``.
+        codec: Its format on the wire: four letters.
+    """
+
+    device: Count
+    codec: Annotated[str, StringConstraints(pattern="^[A-Z0-9]{4}$")] = "MJPG"
+
+
+class FileSource(_Pictures):
+    """A video in a file.
+
+    Attributes:
+        file: Path of the video, relative to the camera's file.
+    """
+
+    file: Text
+
+
+class UrlSource(_Pictures):
+    """A camera in the network.
+
+    Attributes:
+        url: Its address, such as ``rtsp://camera/stream``.
+    """
+
+    url: Annotated[str, StringConstraints(pattern=r"^[a-z]+://.+")]
+
+
+class ImagesSource(_Pictures):
+    """Pictures in files, in the order of their names.
+
+    Attributes:
+        images: Their paths with wildcards, relative to the camera's file, such as ``seen/*.png``.
+    """
+
+    images: Text
+
+
+class SyntheticSource(_Pictures):
+    """A camera whose pictures are drawn from the truth of the simulator.
+
+    Attributes:
+        synthetic: The light, the view and the errors.
+    """
+
+    synthetic: SyntheticView
+
+    @model_validator(mode="after")
+    def _shuts_in_time(self) -> SyntheticSource:
+        if self.synthetic.camera.shutter * self.rate > 1:
+            raise ValueError("the `shutter` is open for longer than from picture to picture")
+        return self
+
+
+CameraSource: TypeAlias = Annotated[
+    Annotated[DeviceSource, Tag("device")]
+    | Annotated[FileSource, Tag("file")]
+    | Annotated[UrlSource, Tag("url")]
+    | Annotated[ImagesSource, Tag("images")]
+    | Annotated[SyntheticSource, Tag("synthetic")],
+    by_key(
+        ("device", "file", "url", "images", "synthetic"),
+        custom_error_type="source",
+        custom_error_message="expected one of device, file, url, images or synthetic",
+    ),
+]
+
 
 Positive = Annotated[Length, Field(gt=0)]
 Point: TypeAlias = tuple[Length, Length, Length]

@@ -1,16 +1,28 @@
-"""Campaigns: missions that run many times, in which pipes, with which defects and variations."""
+"""Campaigns: missions that run many times, in which pipes, with which defects and variations.
+
+A scene of the gallery holds command lines of this program, and what should come of each.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from typing import Annotated, Any, Literal, TypeAlias
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    StringConstraints,
+    ValidationInfo,
+    WithJsonSchema,
+    create_model,
+    model_validator,
+)
 
-from pirate_sm.core._model.base import AlsoWritten, Format, Frozen, Name
+from pirate_sm.core._model.base import AlsoWritten, FaultCode, Format, Frozen, Name
 from pirate_sm.core._model.quantities import (
     AnyQuantity,
+    Duration,
     Flag,
     Length,
     Ratio,
@@ -18,15 +30,88 @@ from pirate_sm.core._model.quantities import (
     quantity_fault,
     range_fault,
 )
-from pirate_sm.core._model.simulation import DefectText
-from pirate_sm.core._model.variations import LineFaults, PlainChoices, StartJitter
-from pirate_sm.core.units import DIMENSIONLESS, QuantityError, read_quantity
+from pirate_sm.core._model.robot.simulation import DefectText
+from pirate_sm.core._model.run_options import JITTER, OPTIONS, RunOption
+from pirate_sm.core.units import (
+    DIMENSIONLESS,
+    LENGTH,
+    TIME,
+    Dimension,
+    QuantityError,
+    read_quantity,
+)
+
+_QUANTITIES: Mapping[Dimension, Any] = {LENGTH: Length, TIME: Duration, DIMENSIONLESS: Ratio}
+
+
+def _with_options(
+    name: str, about: str, options: Mapping[str, RunOption], *, left_open: bool = False
+) -> Any:
+    """Return a part of a file with options of runs, by their keys there.
+
+    Args:
+        name: Name of the class.
+        about: What the part is.
+        options: The options.
+        left_open: Whether one that is left out is None instead of its default.
+    """
+    lines = [about, "", "Attributes:", *(f"    {key}: {o.help}" for key, o in options.items())]
+    kinds: dict[str, Any] = {key: (_written(o), o.default) for key, o in options.items()}
+    if left_open:
+        kinds = {key: (kind | None, None) for key, (kind, _) in kinds.items()}
+    about = "\n".join(lines)
+    return create_model(name, __base__=Frozen, __module__=__name__, __doc__=about, **kinds)
+
+
+def _written(option: RunOption) -> Any:
+    kind = Flag if option.type is bool else option.type
+    kind = kind if option.unit is None else _QUANTITIES[option.unit]
+    return Annotated[kind, Field(ge=option.least, lt=option.below)]
+
+
+if TYPE_CHECKING:
+    StartJitter = Frozen
+    PlainChoices = Frozen
+else:
+    StartJitter = _with_options(
+        "StartJitter",
+        "How far each run may differ from the files; drawn uniformly within plus and minus.",
+        {each.key: each for each in JITTER},
+    )
+    PlainChoices = _with_options(
+        "PlainChoices",
+        "What a campaign can say about runs with one value each.",
+        {o.word: o for o in OPTIONS.values() if o.in_campaigns == "one" and not o.key},
+        left_open=True,
+    )
+
+
+class LineFaults(Frozen):
+    """Faults of the serial line and of the controller, for the backend ``bay``.
+
+    Attributes:
+        loss_in: Share of frames lost on their way to the robot.
+        loss_out: Share of frames lost on their way back.
+        corruption: Share of bytes changed, in either direction.
+        delay: Added to every frame.
+        jitter: Up to this much more, drawn for each frame.
+        reset_every: Mean time between restarts of the controller.
+        cut_after: When the line is cut for good, after the start of the controller; 0 for never.
+    """
+
+    loss_in: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
+    loss_out: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
+    corruption: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
+    delay: Annotated[Duration, Field(ge=0)] = 0.0
+    jitter: Annotated[Duration, Field(ge=0)] = 0.0
+    reset_every: Annotated[Duration, Field(ge=0)] = 0.0
+    cut_after: Annotated[Duration, Field(ge=0)] = 0.0
+
 
 MOST_SEEDS = 10**9
 MOST_VALUES = 1000
 _SEEDS = re.compile(r"(\d{1,12})\.\.(\d{1,12})")
 _SHARE = re.compile(r"(?:>= *)?(\d[\d.]* *%?)")
-
 SimulatedBackend: TypeAlias = Literal["sim", "physics", "bay"]
 
 
@@ -78,7 +163,6 @@ def _one_is_a_list(value: Any) -> Any:
 
 _ONE_IS_A_LIST = BeforeValidator(_one_is_a_list)
 _ONE_OR_MANY = AlsoWritten(lambda usual: [usual["items"]])
-
 Seeds: TypeAlias = Annotated[
     Any,
     BeforeValidator(_read_seeds),
@@ -94,6 +178,7 @@ Seeds: TypeAlias = Annotated[
         }
     ),
 ]
+
 LeastShare: TypeAlias = Annotated[
     float,
     BeforeValidator(_read_share),
@@ -106,10 +191,12 @@ LeastShare: TypeAlias = Annotated[
         }
     ),
 ]
+
 Texts: TypeAlias = Annotated[tuple[str, ...], _ONE_IS_A_LIST, Field(min_length=1), _ONE_OR_MANY]
 Backends: TypeAlias = Annotated[
     tuple[SimulatedBackend, ...], _ONE_IS_A_LIST, Field(min_length=1), _ONE_OR_MANY
 ]
+
 DefectSet: TypeAlias = Annotated[tuple[DefectText, ...], _ONE_IS_A_LIST, _ONE_OR_MANY]
 """Defects that are switched on together."""
 
@@ -279,3 +366,70 @@ class Campaign(RunChoices):
     ]
     confidence: Annotated[Ratio, Field(gt=0, lt=1)] = 0.95
     stop: StoppingRule = StoppingRule()
+
+
+Line: TypeAlias = Annotated[str, StringConstraints(min_length=1, max_length=400)]
+
+Extra: TypeAlias = Literal["physics", "serial", "vision"]
+"""An extra that a scene needs; without it the scene is left out."""
+
+
+class Expected(Frozen):
+    """What should come of a step.
+
+    The last setpoints of every recorded run must let the wheels stand; this needs no key.
+
+    Attributes:
+        exit: The exit code.
+        ended: How the recorded run ends.
+        says: Text in the reason of its end, or in the output of a command that records nothing.
+        faults: Faults that the run reports, at least these.
+        held: Whether the robot is held at the end of a recorded run, by the simulator's truth.
+    """
+
+    exit: Annotated[int, Field(ge=0, le=255)] = 0
+    ended: Literal["succeeded", "failed", "interrupted", "fault"] | None = None
+    says: str = ""
+    faults: tuple[FaultCode, ...] = ()
+    held: Flag = True
+
+
+class SceneStep(Frozen):
+    """A step of a scene.
+
+    Attributes:
+        about: What happens now, in a sentence.
+        command: A command line of this program. ``{out}`` is the scene's folder for output,
+            ``{here}`` the folder of the scene's file. A run gets the scene's speed; one that is to
+            be judged has ``--record``.
+        power_cut_in: A phase of the recorded mission in which the run is killed, as by a power cut.
+            Nothing else is expected of the step then.
+        expect: What should come of it.
+    """
+
+    about: Line | None = None
+    command: Line
+    power_cut_in: Name | None = None
+    expect: Expected = Expected()
+
+
+class Scene(Frozen):
+    """A scene of the gallery, played by ``pirate demo``.
+
+    Attributes:
+        format: Version of this format.
+        scene: Name of the scene, as its file.
+        title: What happens, in a line.
+        look_at: What to look at, in some sentences.
+        needs: Extras that must be installed.
+        speed: Mission seconds per second while somebody watches.
+        steps: What is done, in order.
+    """
+
+    format: Format
+    scene: Name
+    title: Line
+    look_at: Annotated[str, StringConstraints(min_length=1, max_length=1_000)]
+    needs: tuple[Extra, ...] = ()
+    speed: Annotated[float, Field(gt=0, le=100)] = 2.0
+    steps: Annotated[tuple[SceneStep, ...], Field(min_length=1)]

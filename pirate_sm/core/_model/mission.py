@@ -5,10 +5,10 @@ The language and its twelve rules are documented in ``docs/missions.md``.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, Literal, TypeAlias, TypeVar
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Any, Literal, TypeAlias, TypeVar, get_args
 
-from pydantic import AfterValidator, BeforeValidator, Field, Tag, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, Strict, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from pirate_sm.core._model.base import (
@@ -23,7 +23,6 @@ from pirate_sm.core._model.base import (
     Name,
     by_key,
 )
-from pirate_sm.core._model.parameters import ParameterDefinition, ParameterValue
 from pirate_sm.core._model.pipe import Pipe
 from pirate_sm.core._model.quantities import CountOrParameter, DurationOrParameter, key_fault
 from pirate_sm.core._model.triggers import (
@@ -33,6 +32,64 @@ from pirate_sm.core._model.triggers import (
     Trigger,
     Within,
 )
+from pirate_sm.core.units import (
+    ANGLE,
+    ANGULAR_SPEED,
+    CURRENT,
+    DIMENSIONLESS,
+    FORCE,
+    LENGTH,
+    SPEED,
+    TIME,
+    TORQUE,
+    Dimension,
+    QuantityError,
+    parse_quantity,
+)
+
+ParameterType: TypeAlias = Literal[
+    "duration", "length", "angle", "speed", "angular_speed", "torque", "force", "current",
+    "ratio", "count", "number",
+]  # fmt: skip
+DIMENSIONS: Mapping[str, Dimension] = {
+    "duration": TIME, "length": LENGTH, "angle": ANGLE, "speed": SPEED,
+    "angular_speed": ANGULAR_SPEED, "torque": TORQUE, "force": FORCE, "current": CURRENT,
+    "ratio": DIMENSIONLESS, "count": DIMENSIONLESS, "number": DIMENSIONLESS,
+}  # fmt: skip
+# Strict, because `true` would count as 1.
+ParameterValue: TypeAlias = (
+    Annotated[str, Strict()] | Annotated[int, Strict()] | Annotated[float, Strict()]
+)
+
+
+class ParameterDefinition(Frozen):
+    """A parameter of a mission; without a default it must be given.
+
+    Attributes:
+        type: The kind of value, which determines the valid units.
+        default: The value if none is given; without a default it must be given.
+        min: The smallest valid value.
+        max: The largest valid value.
+        description: One-line description.
+    """
+
+    type: ParameterType
+    default: ParameterValue | None = None
+    min: ParameterValue | None = None
+    max: ParameterValue | None = None
+    description: str = ""
+
+
+def type_of(value: object) -> ParameterType | None:
+    """Return the type of parameter that has such a value; None without a unit."""
+    try:
+        dimension = parse_quantity(str(value)).dimension
+    except QuantityError:
+        return None
+    known: tuple[ParameterType, ...] = get_args(ParameterType)
+    sure = (each for each in known if DIMENSIONS[each] == dimension != DIMENSIONLESS)
+    return next(sure, None)
+
 
 _L = TypeVar("_L", ConditionTrigger, TimeTrigger, OperatorTrigger, Within)
 _W = TypeVar("_W", "WaitStep", "Phase")

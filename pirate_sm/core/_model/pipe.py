@@ -20,12 +20,15 @@ from pirate_sm.core._model.pipe_runs import (
     KeyPath,
     Patch,
     PipeRun,
+    Roll,
+    SegmentOrTee,
+    Straight,
     Written,
     expanded,
+    within,
 )
-from pirate_sm.core._model.pipe_segments import Roll, SegmentOrTee, Straight, within
 from pirate_sm.core._model.quantities import Angle, Duration, Length, key_fault
-from pirate_sm.core._model.simulation import Coefficients, Friction
+from pirate_sm.core._model.robot.simulation import Coefficients, Friction
 
 
 class Blockage(Frozen):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pirate_sm.core.events import SensorFrame
 from pirate_sm.core.profile import Motor, Profile, Slot
-from pirate_sm.core.profile import derived as kinds
+from pirate_sm.core.profile import signals as kinds
 from pirate_sm.core.sensing import TractionSpec, WheelTraction, with_traction
 from pirate_sm.lab.fitting.measurements import (
     Columns,

@@ -64,7 +64,7 @@ TICK_COLUMNS = 3
 # Entries of `looker`, what a detector by positions knows: when it looks and how often, over which
 # time it filters, whether wheels are driven and which way, its limits, the present word, when it
 # was said, after which time it is said again and how long it is valid (0: the engine must hear
-# it); see `core/_model/word_watch.py`. Then how many looks of the
+# it); see `core/_model/whereabouts.py`. Then how many looks of the
 # window are in `seen`, and how many have been made.
 (
     L_DUE_S, L_EVERY_S, L_WINDOW_S, L_DRIVEN, L_DIRECTION, L_SLACK_M, L_FORGOTTEN_M, L_WORD,

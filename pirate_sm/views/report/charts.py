@@ -14,7 +14,7 @@ from math import degrees, isnan, nan
 from operator import ne
 
 from pirate_sm.core.profile import Profile
-from pirate_sm.core.profile import derived as kinds
+from pirate_sm.core.profile import signals as kinds
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.running.recording.columns import current_signals
 from pirate_sm.views.report.contents import Chart, Series

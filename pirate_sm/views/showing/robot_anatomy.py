@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from pirate_sm.core.expressions import Signal, walk
 from pirate_sm.core.profile import Profile, Slot
-from pirate_sm.core.profile import derived as kinds
+from pirate_sm.core.profile import signals as kinds
 from pirate_sm.core.robot import RobotSpec
 
 

@@ -14,10 +14,8 @@ from pirate_sm.core._engine.sensing.known_signals import MotorRequest, Sensing
 from pirate_sm.core._engine.state import EngineState
 from pirate_sm.core._expressions.compiler import Code
 from pirate_sm.core._model.effects import Effect
-from pirate_sm.core._model.events import Event, SensorFrame
-from pirate_sm.core._model.frame_block import FrameBlock
-from pirate_sm.core._model.trail import Trail
-from pirate_sm.core._model.word_watch import Look
+from pirate_sm.core._model.events import Event, FrameBlock, SensorFrame
+from pirate_sm.core._model.whereabouts import Look, Trail
 
 # --- what must stay true ----------------------------------------------------------------------
 

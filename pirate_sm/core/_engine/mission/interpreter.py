@@ -28,7 +28,7 @@ from pirate_sm.core._engine.robot.setpoint_arrays import unsettled
 from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.state import EngineState, MissionState
 from pirate_sm.core._model.effects import CommandStatus, Log, PhaseChange
-from pirate_sm.core._model.fault_codes import BuiltInFault
+from pirate_sm.core._model.faults import BuiltInFault
 
 ROUND_AND_ROUND = "the phases repeat without ever waiting"
 

@@ -20,8 +20,7 @@ from pirate_sm.core._engine.sensing.known_signals import with_changes
 from pirate_sm.core._engine.state import OUTSIDE, Counted, EngineState, MissionState, Words
 from pirate_sm.core._expressions.vocabulary import change_of
 from pirate_sm.core._model.effects import TAKEN, Ask, TriggerFired, WaitArmed
-from pirate_sm.core._model.fault_codes import BuiltInFault
-from pirate_sm.core._model.unmet_words import shown_words
+from pirate_sm.core._model.faults import BuiltInFault, shown_words
 
 
 def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:

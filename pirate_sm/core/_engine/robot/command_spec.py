@@ -114,7 +114,7 @@ class SlotSpec:
 
 
 class GripSpec(NamedTuple):
-    """How hard a part presses; see :class:`pirate_sm.core._model.control.Grip`.
+    """How hard a part presses; see :class:`pirate_sm.core._model.robot.actuation.Grip`.
 
     Attributes:
         friction: Of the part's wheels; NaN where it is estimated.

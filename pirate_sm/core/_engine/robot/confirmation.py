@@ -30,7 +30,7 @@ from pirate_sm.core._engine.robot.robot_state import (
 )
 from pirate_sm.core._engine.robot.sensor_verdict import spec_of, verdict
 from pirate_sm.core._engine.sensing.known_signals import Sensing
-from pirate_sm.core._model.fault_codes import BuiltInFault
+from pirate_sm.core._model.faults import BuiltInFault
 
 CODE = BuiltInFault.START_CONTRADICTED.code
 

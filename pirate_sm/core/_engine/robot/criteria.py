@@ -137,7 +137,7 @@ class LoadedJoint(NamedTuple):
 
 
 class HeldSpec(NamedTuple):
-    """Criterion of a held part; limits as in :class:`pirate_sm.core._model.seen.HeldPart`.
+    """Criterion of a held part; limits as in ``HeldPart`` of the profile.
 
     Attributes:
         settled_s: How long a part must stand still whose joints bear less than they should,

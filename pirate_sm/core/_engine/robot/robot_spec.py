@@ -3,7 +3,7 @@
 :mod:`pirate_sm.core._loading.robot` builds it from a profile and its chart, for one polarity.
 Conditions see two tuples: ``numbers`` (signals in SI units, NaN = unknown) and ``words`` (the state
 of each region, then the detector's word, the segment and the joint, None = unknown). The statechart
-library defines the semantics of the chart: :mod:`pirate_sm.core._loading.chart.exploration`
+library defines the semantics of the chart: :mod:`pirate_sm.core._loading.chart_exploration`
 explores it with that and builds the table. The engine only looks transitions up.
 """
 
@@ -27,7 +27,7 @@ from pirate_sm.core._engine.sensing.board_spec import (
 from pirate_sm.core._engine.sensing.body_spec import BodySpec
 from pirate_sm.core._expressions import Expression, Vocabulary
 from pirate_sm.core._model.events import FaultReport
-from pirate_sm.core._model.fault_codes import BuiltInFault
+from pirate_sm.core._model.faults import BuiltInFault
 
 Configuration = tuple[str, ...]
 

@@ -15,7 +15,7 @@ from pirate_sm.core._engine.sensing.evaluator import GAIN
 from pirate_sm.core._engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.core._engine.state import FaultState, Words
 from pirate_sm.core._model.events import ALPHABET_VERSION, EVIDENCE_ENDS, FaultReport
-from pirate_sm.core._model.fault_codes import BuiltInFault
+from pirate_sm.core._model.faults import BuiltInFault
 
 STARTS_AGAIN = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTED.code})
 """Faults after which all signals are unknown again, and counters may start at zero.

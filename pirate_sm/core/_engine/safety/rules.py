@@ -14,7 +14,7 @@ from pirate_sm.core._engine.robot import commands
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import RobotState, confirmed_parts, states_of
 from pirate_sm.core._model.events import SubmitResult
-from pirate_sm.core._model.fault_codes import BuiltInFault
+from pirate_sm.core._model.faults import BuiltInFault
 
 NUMBERS = ("clamps", "confirmed_clamps", "driven_wheels")
 """The numbers that conditions of rules can use, in this order."""

@@ -25,7 +25,7 @@ from pirate_sm.core._engine.safety.faults import FoundFault
 from pirate_sm.core._engine.state import EngineState
 from pirate_sm.core._model.effects import CommandStatus, Ended, Fault
 from pirate_sm.core._model.events import EVIDENCE_ENDS, FaultReport
-from pirate_sm.core._model.fault_codes import BuiltInFault
+from pirate_sm.core._model.faults import BuiltInFault
 
 _LOST = {
     fault.code

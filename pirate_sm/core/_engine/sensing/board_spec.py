@@ -9,7 +9,7 @@ from math import inf, nan
 from typing import Literal, NamedTuple
 
 from pirate_sm.core._model.events import FaultReport
-from pirate_sm.core._model.fault_codes import BuiltInFault
+from pirate_sm.core._model.faults import BuiltInFault
 
 # --- limits of sensors ------------------------------------------------------------------------
 
@@ -103,7 +103,7 @@ class WatchedSpec:
 
 
 class PlausibilitySpec(NamedTuple):
-    """Thresholds of all sensors; as in :class:`pirate_sm.core._model.plausibility.Plausibility`."""
+    """Thresholds of all sensors; as in ``Plausibility`` of the profile."""
 
     hold_back: int
     spikes: int

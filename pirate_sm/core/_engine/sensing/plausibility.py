@@ -25,7 +25,7 @@ from pirate_sm.core._engine.records import often_replaced
 from pirate_sm.core._engine.sensing.board_spec import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.core._engine.sensing.evaluator import JUST_MOVED
 from pirate_sm.core._model.events import FaultReport
-from pirate_sm.core._model.fault_codes import BuiltInFault
+from pirate_sm.core._model.faults import BuiltInFault
 
 Numbers = Sequence[float]
 

@@ -1,38 +1,46 @@
-"""Load a mission file, its robot, its pipe and the missions it calls as one program."""
+"""Load a mission file, its robot, its pipe and the missions it calls as one program.
+
+A loaded mission can be pickled, so that other processes can be sent it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from copyreg import pickle
 from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from hashlib import sha256
+from math import inf
 from pathlib import Path
+from pickle import HIGHEST_PROTOCOL, Pickler
+from types import MappingProxyType
 from typing import Any, Final
 
 from pydantic import ValidationError
 
 from pirate_sm.core._engine.mission.program import Program
+from pirate_sm.core._engine.robot.criteria import CriterionSpec, HeldSpec, LoadSpec, StalledSpec
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._loading import library, pickling, references
-from pirate_sm.core._loading.file_kinds import FileKind, refuse_other
-from pirate_sm.core._loading.idioms import meant_key
+from pirate_sm.core._geometry.chain import holding_nm
+from pirate_sm.core._geometry.network import tilted_up
+from pirate_sm.core._geometry.space import GRAVITY_M_S2, dot
+from pirate_sm.core._loading import library, references
 from pirate_sm.core._loading.mission import parameter_values as parameters
-from pirate_sm.core._loading.mission.holding import holding_in
 from pirate_sm.core._loading.mission.program import build_program
 from pirate_sm.core._loading.mission.scope import Source
-from pirate_sm.core._loading.pipe_file import check_fit, load_pipe
-from pirate_sm.core._loading.pipe_shape import check_section, part_of
-from pirate_sm.core._loading.problems import LoadError, Problem, Problems, Severity
+from pirate_sm.core._loading.pipe import check_fit, check_section, load_pipe, part_of
+from pirate_sm.core._loading.problems import LoadError, Problem, Problems, Severity, meant_key
+from pirate_sm.core._loading.references import FileKind, refuse_other
 from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot, with_fitted
 from pirate_sm.core._loading.yaml.document import Document, read_document
 from pirate_sm.core._loading.yaml.validation import try_validate
 from pirate_sm.core._model.mission import Mission
 from pirate_sm.core._model.pipe import Pipe
 from pirate_sm.core._model.quantities import FROM_FILE
+from pirate_sm.core._model.robot.profile import Profile
 from pirate_sm.core.errors import Hint, UsageError
 from pirate_sm.core.spelling import unknown
 from pirate_sm.core.units import QuantityError
-
-pickling.make_picklable()
 
 
 @dataclass(frozen=True)
@@ -285,3 +293,114 @@ _LIKE_A_FILE: Final[dict[str, Any]] = {
     "by_alias": True,
     "by_name": False,
 }
+
+
+def holding_in(robot: RobotSpec, profile: Profile, pipe: Pipe | None) -> RobotSpec:
+    """Return the robot whose parts count as clamped only with a torque that holds it in a pipe.
+
+    Each part must be able to hold the robot alone at the steepest place of the route, with the
+    friction of the pipe. An unknown pipe is as steep, and as narrow, as can be.
+    """
+    numbers, body = robot.vocabulary.numbers, profile.body
+    weight_n = body.mass_kg * GRAVITY_M_S2
+    friction = ((pipe and pipe.friction) or profile.simulation.friction).static
+    least_nm: dict[int, float] = {}
+    for part in body.parts:
+        apex, leg_m = body.apex_of(part), min(body.legs_m(part), default=0.0)
+        if apex is not None and apex.torque in numbers:
+            least_nm[numbers.index(apex.torque)] = max(
+                holding_nm(weight_n * slope, friction, leg_m, bore_m - 2 * body.wheel_radius)
+                for slope, bore_m in _steep_places(pipe, 2 * body.wheel_radius)
+            )
+    commands = tuple(
+        replace(
+            command,
+            done=_asked_of(command.done, least_nm),
+            postures=tuple(
+                each and replace(each, done=_asked_of(each.done, least_nm))
+                for each in command.postures
+            ),
+        )
+        for command in robot.commands
+    )
+    parts = tuple(each and _held(each, least_nm) for each in robot.sight.parts)
+    return replace(robot, commands=commands, sight=replace(robot.sight, parts=parts))
+
+
+def _steep_places(pipe: Pipe | None, narrowest_m: float) -> Iterator[tuple[float, float]]:
+    """Yield the slope, as a sine, and the inner diameter of each piece of a route."""
+    if pipe is None:
+        yield 1.0, narrowest_m
+        return
+    route, turns = pipe.route(), pipe.turns
+    ups = [route.up] if turns is None else [route.up, tilted_up(turns.tilt, pipe.uphill)]
+    for piece in route.pieces:
+        yield max(abs(dot(up, piece.frame.ahead)) for up in ups), piece.diameter_m
+
+
+def _asked_of(criterion: CriterionSpec, least_nm: Mapping[int, float]) -> CriterionSpec:
+    """Return the criterion with these torques as the smallest, by their number indexes.
+
+    A criterion that names a torque instead of a share means just that torque.
+    """
+    if not (isinstance(criterion, StalledSpec) and any(it.full_nm for it in criterion.loads)):
+        return criterion
+    settled = criterion.settled
+    if settled is not None:
+        settled = settled._replace(loads=_raised(settled.loads, least_nm))
+    return criterion._replace(loads=_raised(criterion.loads, least_nm), settled=settled)
+
+
+def _raised(loads: tuple[LoadSpec, ...], least_nm: Mapping[int, float]) -> tuple[LoadSpec, ...]:
+    return tuple(
+        each._replace(least_nm=max(each.least_nm, least_nm.get(each.torque, 0.0))) for each in loads
+    )
+
+
+def _held(held: HeldSpec, least_nm: Mapping[int, float]) -> HeldSpec:
+    joints = []
+    for joint in held.joints if held.settled_s < inf else ():
+        least = least_nm.get(joint.torque, 0.0)
+        needed_nm, least = max(joint.needed_nm, least), max(joint.least_nm, least)
+        joints.append(joint._replace(needed_nm=needed_nm, least_nm=least))
+    return held._replace(joints=tuple(joints) or held.joints)
+
+
+class MissionPickler(Pickler):
+    """Writes what objects are made of, without the cached properties they have worked out.
+
+    Another thread, which runs the mission, may be adding to those at any moment.
+    """
+
+    def reducer_override(self, each: Any) -> Any:
+        """Return how to write an object with cached properties; any other as usual."""
+        cached = _cached(each.__class__)
+        if not cached:
+            return NotImplemented
+        make, arguments, state = each.__reduce_ex__(HIGHEST_PROTOCOL)[:3]
+        # A copy is made at once: no other thread of Python runs meanwhile.
+        kept = {name: it for name, it in (state or {}).copy().items() if name not in cached}
+        return make, arguments, kept
+
+
+@cache
+def _cached(kind: type) -> frozenset[str]:
+    """Return the names of the cached properties of a class."""
+    found = (vars(each).items() for each in kind.__mro__)
+    return frozenset(name for of in found for name, it in of if isinstance(it, cached_property))
+
+
+def _read_only(values: dict[Any, Any]) -> MappingProxyType[Any, Any]:
+    return MappingProxyType(values)
+
+
+def _reduced(view: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
+    return _read_only, (dict(view),)
+
+
+def make_picklable() -> None:
+    """Teach :mod:`pickle` the read-only views that a loaded mission holds; it knows none itself."""
+    pickle(MappingProxyType, _reduced)
+
+
+make_picklable()

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from pirate_sm.core._loading.problems import Path, Problems
-from pirate_sm.core._model.parameters import DIMENSIONS, ParameterDefinition, ParameterValue
+from pirate_sm.core._model.mission import DIMENSIONS, ParameterDefinition, ParameterValue
 from pirate_sm.core._model.quantities import read_quantity
 from pirate_sm.core.units import Quantity, QuantityError, describe
 

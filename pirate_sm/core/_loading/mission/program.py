@@ -9,14 +9,18 @@ from math import inf
 
 from pirate_sm.core._engine.mission import program as out
 from pirate_sm.core._engine.mission.program import Program, SwitchControl, successors
-from pirate_sm.core._loading.mission.assembler import MOST_INSTRUCTIONS, Assembly, TooLongError
+from pirate_sm.core._loading.mission.called_missions import start_configuration
 from pirate_sm.core._loading.mission.parameter_values import Values
-from pirate_sm.core._loading.mission.program_writer import ProgramWriter
+from pirate_sm.core._loading.mission.program_writer import (
+    MOST_INSTRUCTIONS,
+    Assembly,
+    ProgramWriter,
+    TooLongError,
+)
 from pirate_sm.core._loading.mission.scope import Label, Scope, Source, labels_of
-from pirate_sm.core._loading.mission.start_configuration import start_configuration
 from pirate_sm.core._loading.problems import Problems
+from pirate_sm.core._loading.robot.commands import rules_for
 from pirate_sm.core._loading.robot.loader import LoadedRobot
-from pirate_sm.core._loading.robot.safety_rules import rules_for
 from pirate_sm.core._loading.yaml.document import Document
 
 

@@ -1,20 +1,199 @@
-"""Generate the instructions of a mission and of the missions that it calls."""
+"""Generate the instructions of a mission and of the missions that it calls.
+
+While they are written, labels are their targets; then these are resolved to indexes.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
+from typing import Any
 
 from pirate_sm.core._engine.mission import program as out
-from pirate_sm.core._loading.mission.assembler import Assembly, TooLongError
-from pirate_sm.core._loading.mission.called_missions import Calls, arguments_of, check_call
-from pirate_sm.core._loading.mission.scope import Handlers, Label, Scope, labels_of
-from pirate_sm.core._loading.mission.start_configuration import required_states
-from pirate_sm.core._loading.mission.wait_writer import wait_fields
-from pirate_sm.core._loading.problems import Path
+from pirate_sm.core._engine.mission.program import HandlerSpec, Instruction
+from pirate_sm.core._loading.mission.called_missions import (
+    Calls,
+    arguments_of,
+    check_call,
+    required_states,
+)
+from pirate_sm.core._loading.mission.scope import (
+    TIME_LIMIT,
+    Handlers,
+    Label,
+    Scope,
+    labels_of,
+    trigger_names,
+)
+from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.loader import LoadedRobot
 from pirate_sm.core._model import mission as model
+from pirate_sm.core._model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
+
+KNOWN_WITHIN = " known within "
+"""Follows a condition that needs a bound of the distance, the bound follows."""
+
+
+def _wait_fields(
+    scope: Scope,
+    it: model.Phase | model.WaitStep,
+    path: Path,
+    after: Label | None,
+    failed: Label | int,
+) -> dict[str, object]:
+    """Return the fields of a wait instruction for a phase or step.
+
+    Args:
+        scope: The mission that is being compiled.
+        it: The phase or step.
+        path: Its path in the file.
+        after: The next step, for triggers without a target; None in a phase.
+        failed: Target of a failure of the step.
+    """
+    within, target, name, fails = inf, failed, "", False
+    if it.within is not None:
+        at = (*path, "within")
+        within = scope.waited(it.within.time, (*at, "time"))
+        fails, name = it.within.go is None, it.within.go or model.FAIL
+        target = failed if it.within.go is None else scope.target(name, (*at, "go"))
+    names = trigger_names(it.wait)
+    for number, trigger in enumerate(it.wait):
+        if trigger.name is not None and trigger.name in {*names[:number], TIME_LIMIT}:
+            at = (*path, "wait", number, "name")
+            scope.problems.add("mission.name", at, f"'{trigger.name}' names another trigger here")
+    triggers = tuple(
+        _trigger(scope, trigger, name, (*path, "wait", number), after)
+        for number, (trigger, name) in enumerate(zip(it.wait, names, strict=True))
+    )
+    return {
+        "phase": scope.full_phase,
+        "triggers": triggers,
+        "within_s": within,
+        "within": target,
+        "within_name": name,
+        "place": scope.place((*path, "wait")),
+        "fails": fails,
+        "compares": any(_compares(trigger) for trigger in triggers),
+        "counts_on": it.counts_on,
+    }
+
+
+def _trigger(
+    scope: Scope, trigger: Trigger, name: str, path: Path, after: Label | None
+) -> out.TriggerSpec:
+    on = trigger.go is None and after is not None
+    go = after if on else scope.target(trigger.go or "", (*path, "go"))
+    place, go_name = scope.place(path), trigger.go or model.CONTINUE
+    spec = out.TriggerSpec(name, "", go, go_name, place=place)  # type: ignore[arg-type]
+    match trigger:
+        case ConditionTrigger(when=when):
+            held = scope.waited(trigger.held, (*path, "held"), zero=True)
+            what, asks, bound = when.partition(KNOWN_WITHIN)
+            condition = scope.condition(what, (*path, "when"), in_wait=True)
+            text = when + (f" for {held:g} s" if held else "")
+            spec = spec._replace(text=text, condition=condition, held_s=held)
+            if not asks:
+                return spec
+            shifted = " " * (len(when) - len(bound)) + bound  # so that faults show their place
+            return spec._replace(known_within_m=scope.bound_m(shifted, (*path, "when")))
+        case TimeTrigger():
+            after_s = scope.waited(trigger.after, (*path, "after"))
+            return spec._replace(text=f"after {after_s:g} s", after_s=after_s)
+        case OperatorTrigger(operator=word):
+            return spec._replace(text=f"operator: {word}", answer=word)
+
+
+def _compares(trigger: out.TriggerSpec) -> bool:
+    """Return whether the trigger uses the change of a signal since the wait began."""
+    return trigger.condition is not None and any(
+        name.startswith("change(") for name in trigger.condition.names
+    )
+
+
+MOST_INSTRUCTIONS = 20_000
+"""Largest number of instructions, with repeats unrolled and calls inlined."""
+
+
+class TooLongError(Exception):
+    """Raised when the program exceeds ``MOST_INSTRUCTIONS``."""
+
+    def __init__(self) -> None:
+        self.by: tuple[Problems, Path] | None = None  # the outermost repeat
+
+
+@dataclass
+class Assembly:
+    """The program being written."""
+
+    _kinds: list[type[Any]] = field(default_factory=list)
+    _fields: list[dict[str, Any]] = field(default_factory=list)
+    _handlers: list[Handlers] = field(default_factory=list)
+    _phases: list[str] = field(default_factory=list)
+    _turns: list[str] = field(default_factory=list)
+
+    @property
+    def length(self) -> int:
+        """Return the present number of instructions."""
+        return len(self._kinds)
+
+    def mark(self, label: Label) -> None:
+        """Set the label to the next instruction."""
+        label.index = len(self._kinds)
+
+    def emit(
+        self, kind: type[Any], phase: str, handlers: Handlers, /, *, turn: str = "", **fields: Any
+    ) -> None:
+        """Add an instruction; its fields may hold labels, also inside tuples.
+
+        Args:
+            kind: Class of the instruction.
+            phase: The phase that it belongs to.
+            handlers: Fault handlers in force.
+            turn: The round of a repeat, such as ``2 of 4``; empty outside repeats.
+            fields: Its fields.
+
+        Raises:
+            TooLongError: The program is too long.
+        """
+        if len(self._kinds) >= MOST_INSTRUCTIONS:
+            raise TooLongError
+        self._kinds.append(kind)
+        self._fields.append(fields)
+        self._handlers.append(handlers)
+        self._phases.append(phase)
+        self._turns.append(turn)
+
+    def finished(
+        self,
+    ) -> tuple[
+        tuple[Instruction, ...],
+        tuple[tuple[HandlerSpec, ...], ...],
+        tuple[str, ...],
+        tuple[str, ...],
+    ]:
+        """Return the instructions, and the handlers, phase and round of each, without labels."""
+        instructions = tuple(
+            kind(**{name: _resolved(value) for name, value in fields.items()})
+            for kind, fields in zip(self._kinds, self._fields, strict=True)
+        )
+        handlers = tuple(
+            tuple(
+                HandlerSpec(code, _resolved(label), name, of, place)
+                for code, label, name, of, place in each
+            )
+            for each in self._handlers
+        )
+        return instructions, handlers, tuple(self._phases), tuple(self._turns)
+
+
+def _resolved(value: Any) -> Any:
+    if isinstance(value, Label):
+        return value.index
+    if isinstance(value, tuple):
+        items = [_resolved(item) for item in value]
+        return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
+    return value
 
 
 @dataclass
@@ -114,7 +293,7 @@ class _PhaseWriter:
     def _wait(
         self, it: model.Phase | model.WaitStep, path: Path, after: Label | None, failed: Label | int
     ) -> None:
-        self._emit(out.Wait, **wait_fields(self.scope, it, path, after, failed))
+        self._emit(out.Wait, **_wait_fields(self.scope, it, path, after, failed))
 
     def _steps(self, steps: Sequence[model.Step], path: Path, after: Label) -> None:
         for number, step in enumerate(steps):

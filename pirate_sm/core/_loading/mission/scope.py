@@ -22,8 +22,8 @@ from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.commands import constants_of
 from pirate_sm.core._loading.yaml.document import Document
 from pirate_sm.core._model.mission import CONTINUE, FAIL, Mission
-from pirate_sm.core._model.profile import Profile
 from pirate_sm.core._model.quantities import Parameter
+from pirate_sm.core._model.robot.profile import Profile
 from pirate_sm.core._model.triggers import Trigger
 from pirate_sm.core.spelling import nearest, one_of
 from pirate_sm.core.units import DIMENSIONLESS, LENGTH, TIME, Quantity, describe

@@ -3,17 +3,231 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import degrees
+from dataclasses import dataclass, replace
+from math import degrees, inf
 
-from pirate_sm.core._engine.robot.command_spec import CommandSpec, SlotSpec, StageSpec, Write
+from pirate_sm.core._engine.robot.command_spec import (
+    CommandSpec,
+    PositionSpec,
+    SlotSpec,
+    StageSpec,
+    TorqueSpec,
+    VelocitySpec,
+    WheelTorqueSpec,
+    Write,
+)
 from pirate_sm.core._engine.robot.criteria import AlignedSpec
 from pirate_sm.core._engine.robot.robot_spec import ChartTable
+from pirate_sm.core._engine.sensing.body_spec import BodySpec, Imu, Vee
+from pirate_sm.core._geometry.space import GRAVITY_M_S2
 from pirate_sm.core._loading.problems import Path, Problems
-from pirate_sm.core._loading.robot.body_chain import resolve_chain
 from pirate_sm.core._loading.robot.signals import Signals
-from pirate_sm.core._loading.robot.slots import Slots
-from pirate_sm.core._model.actuation import Duty, HeldTorque, Level, Setpoint, Share, Speed, Target
-from pirate_sm.core.units import ANGLE
+from pirate_sm.core._model.robot import profile as model
+from pirate_sm.core._model.robot import signals as kinds
+from pirate_sm.core._model.robot.actuation import (
+    Duty,
+    HeldTorque,
+    Level,
+    Setpoint,
+    Share,
+    Speed,
+    Target,
+)
+from pirate_sm.core._model.robot.body import Motor
+from pirate_sm.core.units import ANGLE, ANGULAR_SPEED, TORQUE
+
+
+@dataclass(frozen=True)
+class Slots:
+    """The resolved slots, found by name."""
+
+    specs: tuple[SlotSpec, ...]
+    mirrors: tuple[bool, ...]
+    problems: Problems
+
+    def index(self, name: str, path: Path) -> int:
+        """Return the slot's index on the wire; 0 after reporting an unknown name."""
+        names = [slot.name for slot in self.specs]
+        if name in names:
+            return names.index(name)
+        self.problems.add_unknown("robot.slot", path, "slot", name, names)
+        return 0
+
+
+def resolve_slots(signals: Signals) -> Slots:
+    """Return the slots with their limits, signals and loops; report their faults."""
+    profile = signals.profile
+    specs = [
+        _slot(signals, slot, ("boards", number, "slots", place))
+        for number, board in enumerate(profile.boards)
+        for place, slot in enumerate(board.slots)
+    ]
+    return Slots(tuple(specs), tuple(slot.mirrors for slot in profile.slots), signals.problems)
+
+
+def _slot(signals: Signals, slot: model.Slot, path: Path) -> SlotSpec:
+    profile, problems = signals.profile, signals.problems
+    motor = profile.motors[slot.motor]
+    known = _check_targets(profile, slot, path, problems)
+    link = profile.link
+    if slot.unit == "angle":
+        limit = slot.limit if slot.limit is not None else inf
+        angle = signals.number(slot.roll, (*path, "roll"), ANGLE) if slot.roll and known else -1
+        return SlotSpec(
+            slot.name, "angle", -limit, limit, link.angle_resolution, angle, drives=slot.drives
+        )
+    locks = motor.kind == "sprung_worm"
+    resolution = link.duty_resolution
+    duty = SlotSpec(
+        slot.name, "duty", -1.0, 1.0, resolution, self_locking=locks, drives=slot.drives
+    )
+    if slot.joint is None:
+        return replace(
+            duty,
+            velocity=_velocity(signals, slot, motor, path),
+            wheel_torque=_wheel_torque(signals, slot, motor, path),
+        )
+    joints = profile.body.joints
+    place = next((n for n, joint in enumerate(joints) if joint.name == slot.joint), -1)
+    name = joints[place].torque if place >= 0 else None
+    torque_path: Path = ("body", "joints", place, "torque")
+    torque = signals.number(name, torque_path, TORQUE) if name else -1
+    loop, settings = None, motor.position_loop
+    if settings is not None:
+        loop = PositionSpec(
+            settings.gain,
+            settings.threshold,
+            settings.least_duty,
+            settings.limit,
+            motor.stall_torque or inf,
+            settings.unmoved_limit or 0.0,
+        )
+    return replace(
+        duty,
+        angle=signals.number(slot.joint, (*path, "joint"), ANGLE) if known else -1,
+        rate=signals.rate_of(slot.joint),
+        torque=torque,
+        position=loop,
+        held_torque=_held_torque(motor, torque),
+    )
+
+
+def _velocity(signals: Signals, slot: model.Slot, motor: Motor, path: Path) -> VelocitySpec | None:
+    """Return the velocity loop of the slot's wheel; None without one."""
+    settings, body = motor.velocity_loop, signals.profile.body
+    wheel = next((each for each in body.wheels if each.name == slot.wheel), None)
+    if settings is None or wheel is None:
+        return None
+    speed = signals.number(wheel.speed, (*path, "wheel"), ANGULAR_SPEED)
+    no_load_rad_s = motor.no_load_speed or inf
+    radius_m = body.wheel_radius
+    stall_nm = motor.stall_torque or 0.0
+    return VelocitySpec(settings.gain, settings.limit, no_load_rad_s, speed, radius_m, stall_nm)
+
+
+def _wheel_torque(
+    signals: Signals, slot: model.Slot, motor: Motor, path: Path
+) -> WheelTorqueSpec | None:
+    """Return how the slot's wheel is kept at a torque; None where it cannot be."""
+    wheels = signals.profile.body.wheels
+    wheel = next((each for each in wheels if each.name == slot.wheel), None)
+    if wheel is None or not motor.stall_torque or not motor.no_load_speed:
+        return None
+    speed = signals.number(wheel.speed, (*path, "wheel"), ANGULAR_SPEED)
+    return WheelTorqueSpec(motor.stall_torque, motor.no_load_speed, speed)
+
+
+def _held_torque(motor: Motor, torque: int) -> TorqueSpec | None:
+    """Return how a joint is kept at a torque; None without a loop, or without its sensor."""
+    loop = motor.torque_loop
+    if loop is None or motor.stall_torque is None or torque < 0:
+        return None
+    duties = loop.least_duty, loop.limit
+    return TorqueSpec(loop.gain, loop.dead, loop.within, *duties, motor.stall_torque, torque)
+
+
+_SAID = {"joint": "joint", "wheel": "wheel", "roll": "roll joint"}
+
+
+def _check_targets(
+    profile: model.Profile, slot: model.Slot, path: Path, problems: Problems
+) -> bool:
+    """Return whether the joint or wheel that the slot drives exists; report it otherwise."""
+    known = True
+    valid = {
+        "joint": [joint.name for joint in profile.body.joints],
+        "wheel": [wheel.name for wheel in profile.body.wheels],
+        "roll": [link.roll for link in profile.body.links if link.roll],
+    }
+    for kind, names in valid.items():
+        name, said = getattr(slot, kind), _SAID[kind]
+        if name is not None and name not in names:
+            known = False
+            message, none = f"the body has no {said} '{name}'", f"no slot for a {said}"
+            at = (*path, kind)
+            problems.add_unknown(f"robot.{kind}", at, said, name, names, message=message, none=none)
+    return known
+
+
+def resolve_chain(signals: Signals) -> BodySpec:
+    """Return the robot's chain; unknown names are left out, and reported elsewhere."""
+    profile, body = signals.profile, signals.profile.body
+    sign = -1 if signals.polarity == "mirrored" else 1
+    roll = next((link.roll for link in body.links if link.roll is not None), None)
+    joints = {joint.wheel: _number(signals, joint.name) for joint in body.joints}
+    return BodySpec(
+        lengths_m=tuple(link.length for link in body.links),
+        joints=tuple(joints.get(wheel.name, -1) for wheel in body.wheels),
+        sides=tuple(sign * wheel.direction for wheel in body.wheels),
+        parts=tuple(_vee(profile, signals, name) for name in body.parts),
+        wheel_radius_m=body.wheel_radius,
+        roll_link=next((i for i, link in enumerate(body.links) if link.roll is not None), -1),
+        imu=_imu(profile, signals),
+        roll=_number(signals, roll) if roll else -1,
+        weight_n=GRAVITY_M_S2
+        * (sum(each.mass for each in body.wheels) + sum(each.mass for each in body.links)),
+    )
+
+
+def _vee(profile: model.Profile, signals: Signals, name: str) -> Vee:
+    body = profile.body
+    apex = body.apex_of(name)
+    return Vee(
+        tuple(index for index, wheel in enumerate(body.wheels) if wheel.part == name),
+        _number(signals, apex.name) if apex else -1,
+        _number(signals, profile.diameter_of(name)),
+        apex.end_stop if apex else 0.0,
+    )
+
+
+def _imu(profile: model.Profile, signals: Signals) -> Imu | None:
+    """Return the accelerometer from which roll or pitch is derived; None without one."""
+    for derived in profile.derived.values():
+        match derived:
+            case kinds.PitchOf(pitch_of=sources) | kinds.RollOf(roll_of=sources):
+                modules = [link.module for link in profile.body.links]
+                module = next(
+                    (
+                        board.module
+                        for board in profile.boards
+                        if {channel.signal for channel in board.channels} >= set(sources)
+                    ),
+                    "",
+                )
+                if module not in modules:
+                    return None
+                link = modules.index(module)
+                x, y, z = (_number(signals, source) for source in sources)
+                roll = profile.body.links[link].roll
+                return Imu(link, (x, y, z), _number(signals, roll) if roll else -1)
+            case _:
+                pass
+    return None
+
+
+def _number(signals: Signals, name: str) -> int:
+    names = signals.vocabulary.numbers
+    return names.index(name) if name in names else -1
 
 
 def resolve_actuation(

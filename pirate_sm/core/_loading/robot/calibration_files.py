@@ -11,12 +11,12 @@ from pathlib import Path
 from platformdirs import user_config_path
 
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._loading.file_names import shown
+from pirate_sm.core._loading.library import shown
 from pirate_sm.core._loading.problems import Problems
 from pirate_sm.core._loading.robot.loader import LoadedRobot
 from pirate_sm.core._loading.yaml.document import read_document
 from pirate_sm.core._loading.yaml.validation import validate
-from pirate_sm.core._model.calibration import Calibration
+from pirate_sm.core._model.robot.body import Calibration
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.on_disk import is_folder, replace_file
 

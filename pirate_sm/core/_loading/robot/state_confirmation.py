@@ -22,7 +22,7 @@ from pirate_sm.core._engine.robot.robot_spec import ChartTable
 from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.commands import resolve_load, turning_rad_s
 from pirate_sm.core._loading.robot.signals import Signals
-from pirate_sm.core._model import seen as model
+from pirate_sm.core._model.robot import criteria as model
 
 Actuation = tuple[Mapping[str, tuple[StageSpec, ...]], ...]
 
@@ -186,7 +186,7 @@ class _States:
                 driven = tuple((speed, way) for speed, way in self._wheels(name) if way)
                 self._need(driven, path, f"{name} drives no wheel")
                 return DrivenSpec(driven, turning_rad_s(how, self._signals, path), how.for_s)
-            case model.Accepted():
+            case model.AcceptedState():
                 return AcceptedSpec()
             case model.Implied():
                 return ImpliedSpec()

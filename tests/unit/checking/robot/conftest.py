@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.core._loading.chart import table_cache as chart_cache
+from pirate_sm.core._loading import chart_exploration as chart_cache
 
 
 @pytest.fixture(autouse=True)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from pirate_sm.checking.robot import chart_view as guards
 from pirate_sm.checking.robot.check_chart import check_chart, examine
 from pirate_sm.checking.robot.check_robot import check_robot
-from pirate_sm.core._loading.chart.exploration import compile_chart
+from pirate_sm.core._loading.chart_exploration import compile_chart
 from pirate_sm.core.documents import Problems, parse_document
 from pirate_sm.core.loading import load_robot, outline_chart
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from checking.small_missions import MISSION
 
-from pirate_sm.core._loading.chart import table_cache as chart_cache
+from pirate_sm.core._loading import chart_exploration as chart_cache
 from pirate_sm.core._loading.mission.loader import LoadedMission, load_mission
 from pirate_sm.core._loading.problems import LoadError
 from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot

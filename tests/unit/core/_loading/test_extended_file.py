@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core._loading.extended_file import read_extended
 from pirate_sm.core._loading.problems import LoadError, Problems
+from pirate_sm.core._loading.references import read_extended
 from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._loading.yaml.document import parse_document
 

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core._loading.pipe_file import load_pipe, reach
-from pirate_sm.core._loading.pipe_shape import check_pipe
+from pirate_sm.core._loading.pipe import check_pipe, load_pipe, reach
 from pirate_sm.core._loading.problems import LoadError, Problems
 from pirate_sm.core._loading.robot.loader import load_robot
 

@@ -13,7 +13,7 @@ from pirate_sm.core._loading.problems import LoadError
 from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._loading.trace_script import read_script, resolve_course
 from pirate_sm.core._loading.yaml.document import parse_document
-from pirate_sm.core._model.trace_script import Happening
+from pirate_sm.core._model.triggers import Happening
 from pirate_sm.core.errors import UsageError
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core._model.fault_codes import BUILT_IN_FAULTS, BuiltInFault
+from pirate_sm.core._model.faults import BUILT_IN_FAULTS, BuiltInFault
 
 ROOT = Path(__file__).parents[4]
 CODE = re.compile(r"\"([a-z]+\.[a-z_]+)\"")

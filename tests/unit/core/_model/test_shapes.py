@@ -7,7 +7,6 @@ import math
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from pirate_sm.core._model.actuation import Duty, SlotSetpoint, Target
 from pirate_sm.core._model.base import FaultCode, Name
 from pirate_sm.core._model.mission import (
     CallStep,
@@ -20,8 +19,9 @@ from pirate_sm.core._model.mission import (
 )
 from pirate_sm.core._model.pipe import Pipe
 from pirate_sm.core._model.quantities import Parameter
-from pirate_sm.core._model.serial_link import Serial, SetpointTopic, StateTopic
-from pirate_sm.core._model.simulation import Friction
+from pirate_sm.core._model.robot.actuation import Duty, SlotSetpoint, Target
+from pirate_sm.core._model.robot.signals import Serial, SetpointTopic, StateTopic
+from pirate_sm.core._model.robot.simulation import Friction
 
 SETPOINT = TypeAdapter(SlotSetpoint)
 STEP = TypeAdapter(Step)

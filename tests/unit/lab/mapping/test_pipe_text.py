@@ -6,7 +6,7 @@ from math import degrees, inf, nan, pi, radians
 
 import pytest
 
-from pirate_sm.core._model.pipe_segments import InlineTee
+from pirate_sm.core._model.pipe_runs import InlineTee
 from pirate_sm.core.documents import Problems, parse_document
 from pirate_sm.core.loading import check_pipe, validate
 from pirate_sm.core.pipe import Elbow, Mitre, Pipe, Reducer, Straight

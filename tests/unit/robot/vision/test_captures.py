@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pirate_sm.core._model.camera_source import FileSource
+from pirate_sm.core._model.camera import FileSource
 from pirate_sm.core.camera import (
     CameraSource,
     DeviceSource,

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pirate_sm.core._model.camera_source import FileSource
+from pirate_sm.core._model.camera import FileSource
 from pirate_sm.core.camera import ImagesSource
 from pirate_sm.core.errors import UsageError
 from pirate_sm.robot.vision.opencv import cv2

@@ -10,7 +10,7 @@ from typing import Any
 from hypothesis import strategies as st
 from statemachine.io import load
 
-from pirate_sm.core._loading.chart.exploration import compile_chart
+from pirate_sm.core._loading.chart_exploration import compile_chart
 from pirate_sm.core.documents import Document, Problems, parse_document
 from pirate_sm.core.loading import ChartOutline, outline_chart
 from pirate_sm.core.robot import ChartTable

@@ -25,7 +25,7 @@ from pirate_sm.core._engine.sensing.distance import unheard
 from pirate_sm.core._engine.state import OUTSIDE, FaultState
 from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
-from pirate_sm.core._model.fault_codes import BuiltInFault
+from pirate_sm.core._model.faults import BuiltInFault
 
 ROLLING = {f"theta_{n}": 3.0 if n % 2 else -3.0 for n in range(1, 7)}
 STUCK = ev.FaultReport("robot.stuck", "it does not move")

@@ -15,10 +15,9 @@ from statemachine.io import load as library_load
 from statemachine.orderedset import OrderedSet
 
 from pirate_sm.core._engine.robot.robot_spec import ChartTable
-from pirate_sm.core._loading.chart import table_cache as chart_cache
-from pirate_sm.core._loading.chart.exploration import compile_chart
-from pirate_sm.core._loading.chart.outline_reader import outline_chart
-from pirate_sm.core._loading.chart.table_cache import cached_table
+from pirate_sm.core._loading import chart_exploration as chart_cache
+from pirate_sm.core._loading.chart_exploration import cached_table, compile_chart
+from pirate_sm.core._loading.chart_outline import outline_chart
 from pirate_sm.core._loading.problems import LoadError, Problems
 from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._loading.yaml.document import parse_document, read_document
@@ -288,7 +287,7 @@ def ring(count: int) -> dict[str, object]:
 def test_the_library_is_asked_only_for_commands_that_have_a_transition(
     monkeypatch, most: int, is_refused: bool
 ) -> None:
-    monkeypatch.setattr("pirate_sm.core._loading.chart.exploration.MOST_RESULTS", most)
+    monkeypatch.setattr("pirate_sm.core._loading.chart_exploration.MOST_RESULTS", most)
     asked: list[str] = []
     send = StateChart.send
     monkeypatch.setattr(
@@ -312,7 +311,7 @@ def test_the_library_is_asked_only_for_commands_that_have_a_transition(
 
 
 def test_a_chart_that_is_too_large_is_refused(monkeypatch):
-    monkeypatch.setattr("pirate_sm.core._loading.chart.exploration.MOST_CONFIGURATIONS", 100)
+    monkeypatch.setattr("pirate_sm.core._loading.chart_exploration.MOST_CONFIGURATIONS", 100)
     count = 7  # 2 ** 7 combinations
     regions = {
         f"R{n}": {

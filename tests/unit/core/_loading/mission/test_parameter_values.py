@@ -14,7 +14,7 @@ from pirate_sm.core._loading.mission.parameter_values import (
     read_argument,
     read_value,
 )
-from pirate_sm.core._model.parameters import ParameterDefinition
+from pirate_sm.core._model.mission import ParameterDefinition
 from pirate_sm.core.units import LENGTH, TIME, Quantity, QuantityError
 
 HEAD = "format: 1\nmission: m\nrobot: pirate_ii\n"

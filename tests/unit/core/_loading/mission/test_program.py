@@ -17,8 +17,8 @@ from pirate_sm.core._engine.mission.program import (
     Require,
     Wait,
 )
-from pirate_sm.core._loading.mission.assembler import MOST_INSTRUCTIONS, Assembly, TooLongError
 from pirate_sm.core._loading.mission.loader import load_mission
+from pirate_sm.core._loading.mission.program_writer import MOST_INSTRUCTIONS, Assembly, TooLongError
 from pirate_sm.core._loading.problems import LoadError
 
 ROOT = Path(__file__).resolve().parents[5]

@@ -7,7 +7,7 @@ from math import pi
 import pytest
 
 from pirate_sm.core._loading import library
-from pirate_sm.core._loading.mission.route_mission import (
+from pirate_sm.core._loading.mission.generated import (
     RouteCourse,
     UndrivableError,
     course_along,
@@ -18,7 +18,7 @@ from pirate_sm.core._loading.yaml.document import parse_document
 from pirate_sm.core._loading.yaml.validation import validate
 from pirate_sm.core._model.mission import CallStep, Mission
 from pirate_sm.core._model.pipe import Pipe
-from pirate_sm.core._model.profile import Profile
+from pirate_sm.core._model.robot.profile import Profile
 from pirate_sm.core.errors import UsageError
 
 

@@ -22,8 +22,8 @@ from pirate_sm.core._loading.robot.calibration_files import (
     with_zeros,
 )
 from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot
-from pirate_sm.core._model.calibration import Calibration
 from pirate_sm.core._model.events import SensorFrame
+from pirate_sm.core._model.robot.body import Calibration
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.on_disk import replace_file
 

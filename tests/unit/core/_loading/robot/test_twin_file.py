@@ -4,8 +4,13 @@ import pytest
 
 from pirate_sm.core._engine.robot.criteria import StalledSpec
 from pirate_sm.core._loading.robot.commands import constants_of
-from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot, with_fitted
-from pirate_sm.core._loading.robot.twin_file import load_twin, with_twin
+from pirate_sm.core._loading.robot.loader import (
+    LoadedRobot,
+    load_robot,
+    load_twin,
+    with_fitted,
+    with_twin,
+)
 from pirate_sm.core._loading.yaml.document import parse_document
 from pirate_sm.core.errors import PirateError
 from pirate_sm.running.wiring import Order, load

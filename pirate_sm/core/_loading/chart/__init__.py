@@ -1,1 +1,0 @@
-"""Read chart files and explore every configuration that a chart can reach."""

@@ -1,0 +1,403 @@
+"""Resolve what a robot senses: signals of each board, limits of sensors, slip and friction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import inf, pi
+from typing import Literal
+
+from pirate_sm.core._engine.robot.robot_spec import FaultSpec
+from pirate_sm.core._engine.sensing.board_spec import (
+    BoardSpec,
+    DerivedSpec,
+    PlausibilitySpec,
+    TractionSpec,
+    WatchedSpec,
+    WatchSpec,
+    WheelSpec,
+    WheelTraction,
+)
+from pirate_sm.core._loading.robot.signals import Signals
+from pirate_sm.core._model.robot import profile as model
+from pirate_sm.core._model.robot import signals as kinds
+from pirate_sm.core._model.robot.body import Body
+from pirate_sm.core.units import SPEED
+
+
+def resolve_boards(signals: Signals, faults: tuple[FaultSpec, ...]) -> Mapping[int, BoardSpec]:
+    """Return the specification of each reporting board, with the fault rules that depend on it."""
+    listened = [
+        (number, board)
+        for number, board in enumerate(signals.profile.boards)
+        if board.fitted and board.channels_fitted and any(c.signal for c in board.channels)
+    ]
+    names = signals.vocabulary.numbers
+    shared = {signals.first_of(kind) for kind in ("odometry_of", "bound_of", "speed_of")}
+    shared |= {
+        names.index(name)
+        for name, derived in signals.profile.derived.items()
+        if isinstance(derived, kinds.Traction)
+    }
+    shared |= {names.index(name) for name in signals.profile.outside}
+    found: dict[int, BoardSpec] = {}
+    for position, (number, board) in enumerate(listened):
+        own = _board(signals, number, board, position)
+        mine = {names[index] for index in own.numbers}
+        rules = tuple(
+            index
+            for index, fault in enumerate(faults)
+            if fault.when.names & mine
+            or not {names.index(n) for n in fault.when.names if n in names} - shared
+        )
+        limits = _watched(signals.profile, board, own)
+        found[board.id] = replace(own, faults=rules, watched=limits)
+    return found
+
+
+def _board(signals: Signals, number: int, board: model.Board, position: int) -> BoardSpec:
+    names = signals.vocabulary.numbers
+    channels = tuple(
+        (place, names.index(channel.signal), _scale(signals, channel))
+        for place, channel in enumerate(board.channels)
+        if channel.signal
+    )
+    told = {names[target] for _, target, _ in channels}
+    computed: list[DerivedSpec] = []
+    slots = [slot.name for slot in signals.profile.slots]
+    for name, derived in signals.profile.derived.items():
+        target = names.index(name)
+        match derived:
+            case kinds.RateOf(rate_of=source) if source in told:
+                computed.append(DerivedSpec("rate", target, (names.index(source),)))
+            case kinds.TorqueOf(torque_of=source, slot=slot, scale=scale) if source in told:
+                factor = signals.constant(scale, ("derived", name, "scale"))[0]
+                if slot in slots:
+                    of, index = (names.index(source),), slots.index(slot)
+                    computed.append(DerivedSpec("torque", target, of, factor, slot=index))
+            case kinds.RollOf() | kinds.PitchOf() | kinds.NormOf():
+                how, sources = _vector(derived)
+                if set(sources) <= told:
+                    computed.append(DerivedSpec(how, target, tuple(map(names.index, sources))))
+            case kinds.DiameterOf(diameter_of=part):
+                computed += _diameter(signals, part, told, target)
+            case kinds.RateOf() | kinds.TorqueOf():
+                pass  # without its source
+            case (
+                kinds.OdometryOf()
+                | kinds.BoundOf()
+                | kinds.SpeedOf()
+                | kinds.RobotSpeedOf()
+                | kinds.SlipSpeedOf()
+                | kinds.SlipOf()
+                | kinds.NormalForceOf()
+                | kinds.FrictionUsedOf()
+                | kinds.FrictionOf()
+                | kinds.LeastOf()
+            ):
+                pass  # made of all wheels, see also `traction_signals`
+    wheels = tuple(w for w in signals.wheels if names[w.angle] in told)
+    return BoardSpec(board.id, board.module, position, channels, tuple(computed), wheels, ())
+
+
+def _scale(signals: Signals, channel: model.Channel) -> float:
+    return signals.scales[channel.convert][0] if channel.convert else 1.0
+
+
+def _diameter(signals: Signals, part: str, told: set[str], target: int) -> list[DerivedSpec]:
+    body = signals.profile.body
+    apex = body.parts[part].apex if part in body.parts else ""
+    if apex not in told:
+        return []
+    index = signals.vocabulary.numbers.index(apex)
+    # Eq. 3-2 assumes two legs of equal length.
+    more = 2 * body.wheel_radius
+    return [DerivedSpec("diameter", target, (index,), body.legs_m(part)[0], more)]
+
+
+def _vector(
+    derived: kinds.RollOf | kinds.PitchOf | kinds.NormOf,
+) -> tuple[Literal["roll", "pitch", "norm"], tuple[str, ...]]:
+    match derived:
+        case kinds.RollOf(roll_of=sources):
+            return "roll", sources
+        case kinds.PitchOf(pitch_of=sources):
+            return "pitch", sources
+        case kinds.NormOf(norm_of=sources):
+            return "norm", sources
+
+
+_DEGREE = pi / 180
+
+
+def thresholds(profile: model.Profile) -> PlausibilitySpec:
+    """Return the thresholds common to all sensors; their names there have no unit."""
+    names = [name.removesuffix("_s") for name in PlausibilitySpec._fields]
+    return PlausibilitySpec._make(getattr(profile.plausibility, name) for name in names)
+
+
+def _watched(profile: model.Profile, board: model.Board, spec: BoardSpec) -> WatchedSpec:
+    """Return the board's sensors that measure a motor or an acceleration, with their limits."""
+    numbers = {place: number for place, number, _ in spec.channels}
+    slots = {slot.name: (index, slot) for index, slot in enumerate(profile.slots)}
+    found = []
+    for place, number in sorted(numbers.items()):
+        channel = board.channels[place]
+        resting = (number, *_resting_on(spec, number))
+        name = channel.signal or channel.name
+        most = profile.plausibility.acceleration
+        if most is not None and (channel.senses or "").startswith("acc"):
+            found.append(WatchSpec(number, name, resting, low=-most, high=most, unit="m/s^2"))
+        if channel.slot not in slots:
+            continue
+        index, slot = slots[channel.slot]
+        watch = WatchSpec(number, name, resting, slot=index, of=slot.drives)
+        if channel.senses == "angle":
+            watch = _angle_limits(profile, board, watch, slot, numbers)
+        else:
+            watch = _bounded(profile, watch, slot, channel.senses)
+        found.append(watch)
+    return WatchedSpec(tuple(found))
+
+
+def _bounded(
+    profile: model.Profile, watch: WatchSpec, slot: model.Slot, senses: model.Sense | None
+) -> WatchSpec:
+    """Return the limits of a torque or a current."""
+    own, motor = profile.plausibility, profile.motors[slot.motor]
+    if senses == "torque" and motor.stall_torque is not None:
+        most = own.overtorque * motor.stall_torque
+        return watch._replace(low=-most, high=most, unit="Nm")
+    if senses == "current" and motor.stall_current is not None:
+        most = own.overcurrent * motor.stall_current
+        return watch._replace(low=-most, high=most, unit="A")
+    return watch
+
+
+def _angle_limits(
+    profile: model.Profile,
+    board: model.Board,
+    watch: WatchSpec,
+    slot: model.Slot,
+    numbers: Mapping[int, int],
+) -> WatchSpec:
+    """Return the limits of the angle of a joint, a wheel or a roll joint."""
+    own, motor = profile.plausibility, profile.motors[slot.motor]
+    watch = watch._replace(unit="deg", per_unit=_DEGREE)
+    if motor.no_load_speed is not None:
+        rate = own.overspeed * motor.no_load_speed
+        watch = watch._replace(rate=rate, slack=own.joint_slack)
+    if slot.wheel is not None:
+        # The wheels of a falling robot may turn: that must be reported at once.
+        return watch._replace(slack=own.wheel_slack, moved=own.wheel_moved)
+    stop = next((j.end_stop for j in profile.body.joints if j.name == slot.joint), None)
+    if stop is None:
+        return watch
+    most = stop + own.beyond_stop
+    watch = watch._replace(low=-most, high=most, joint=True, moved=own.joint_moved)
+    torque = _of_motor("torque", board.channels, slot, numbers)
+    if torque >= 0 and motor.stiffness is not None and motor.no_load_speed is not None:
+        # What others push shows as torque, so that the motor's own speed is the limit.
+        watch = watch._replace(torque=torque, stiffness=motor.stiffness, rate=motor.no_load_speed)
+        winds = inf if motor.stall_torque is None else motor.stall_torque
+        watch = watch._replace(spring=own.spring, winds=winds)
+    load = _of_motor("current", board.channels, slot, numbers)
+    loop, full = motor.position_loop, motor.stall_current
+    if load < 0 or loop is None or full is None:
+        return watch
+    least_duty = own.surely_driven * loop.least_duty
+    return watch._replace(load=load, full_load=full, least_duty=least_duty)
+
+
+def _of_motor(
+    senses: model.Sense,
+    channels: tuple[model.Channel, ...],
+    slot: model.Slot,
+    numbers: Mapping[int, int],
+) -> int:
+    """Return the number index of the motor's torque or current; -1 without one."""
+    for place, channel in enumerate(channels):
+        if channel.senses == senses and channel.slot == slot.name:
+            return numbers.get(place, -1)
+    return -1
+
+
+def _resting_on(spec: BoardSpec, number: int) -> tuple[int, ...]:
+    """Return the numbers of the board that depend on this one."""
+    return tuple(each.target for each in spec.derived if number in each.sources)
+
+
+def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> TractionSpec | None:
+    """Return what the robot's signals of traction are made of; None where it has none."""
+    profile = signals.profile
+    wanted = {n: d for n, d in profile.derived.items() if isinstance(d, kinds.Traction)}
+    if not wanted:
+        return None
+    body, names = profile.body, signals.vocabulary.numbers
+    modules = [link.module for link in body.links]
+    torques = {joint.wheel: joint.torque for joint in body.joints}
+    on_boards = [next((b for b in boards.values() if w in b.wheels), None) for w in signals.wheels]
+    wheels = tuple(
+        _wheel_traction(signals, wheel, board, wanted)
+        for wheel, board in zip(signals.wheels, on_boards, strict=True)
+    )
+    measured = _measured_speed(signals, wanted)
+    mounts = [board.module if board else "" for board in on_boards]
+    spec = TractionSpec(
+        wheels,
+        wheels[-1].board,
+        tuple(_index(names, torques.get(wheel.name)) for wheel in body.wheels),
+        tuple(modules.index(module) if module in modules else 0 for module in mounts),
+        _masses_kg(body),
+        measured=_index(names, measured),
+        averages_s=profile.outside[measured].averages if measured else 0.0,
+        # A frame is late by one way of the link, its echo by both.
+        delay_s=profile.link.echo_delay,
+    )
+    spec = _with_shared(signals, spec, wanted)
+    _check_traction(signals, spec, wanted)
+    return spec
+
+
+def _masses_kg(body: Body) -> tuple[float, ...]:
+    """Return the mass of each wheel with half of its links."""
+    masses = [wheel.mass for wheel in body.wheels]
+    for number, link in enumerate(body.links):
+        masses[number] += link.mass / 2
+        masses[number + 1] += link.mass / 2
+    return tuple(masses)
+
+
+def _wheel_traction(
+    signals: Signals,
+    wheel: WheelSpec,
+    board: BoardSpec | None,
+    wanted: Mapping[str, kinds.Traction],
+) -> WheelTraction:
+    """Return what the signals of one wheel are made of."""
+    profile = signals.profile
+    slot = profile.slots[wheel.slot]
+    motor = profile.motors[slot.motor]
+    own = WheelTraction(
+        wheel.place,
+        board.position if board else -1,
+        wheel.slot,
+        wheel.speed,
+        _torque_of(signals, slot.name),
+        wheel.metres_per_rad,
+        motor.stall_torque or 0.0,
+        motor.no_load_speed or inf,
+    )
+    return _with_targets(signals, own, profile.body.wheels[wheel.place].name, wanted)
+
+
+def _with_shared(
+    signals: Signals, spec: TractionSpec, wanted: Mapping[str, kinds.Traction]
+) -> TractionSpec:
+    """Return the signals with those that are made of several wheels."""
+    body, names = signals.profile.body, signals.vocabulary.numbers
+    for name, derived in wanted.items():
+        match derived:
+            case kinds.RobotSpeedOf(robot_speed_of=of, agreeing=agreeing):
+                rolling = tuple(each for each in spec.wheels if body.wheels[each.place].name in of)
+                spec = spec._replace(
+                    robot_speed=names.index(name), rolling=rolling, agreeing_m_s=agreeing
+                )
+            case kinds.LeastOf(least_of=sources):
+                known = tuple(_index(names, source) for source in sources)
+                spec = spec._replace(least=(*spec.least, (names.index(name), known)))
+            case _:
+                pass
+    return spec
+
+
+def _torque_of(signals: Signals, slot: str) -> int:
+    """Return the number index of the torque of a slot's motor; -1 where none is derived."""
+    for name, derived in signals.profile.derived.items():
+        if isinstance(derived, kinds.TorqueOf) and derived.slot == slot:
+            return signals.vocabulary.numbers.index(name)
+    return -1
+
+
+def _with_targets(
+    signals: Signals, wheel: WheelTraction, name: str, wanted: Mapping[str, kinds.Traction]
+) -> WheelTraction:
+    """Return the wheel with the signals that are made of it."""
+    names = signals.vocabulary.numbers
+    for signal, derived in wanted.items():
+        target = names.index(signal)
+        match derived:
+            case kinds.SlipSpeedOf(slip_speed_of=of) if of == name:
+                wheel = wheel._replace(slip_speed=target)
+            case kinds.SlipOf(slip_of=of, unknown_below=limit) if of == name:
+                wheel = wheel._replace(slip=target, unknown_below_m_s=limit)
+            case kinds.NormalForceOf(normal_force_of=of) if of == name:
+                wheel = wheel._replace(normal_force=target)
+            case kinds.FrictionUsedOf(friction_used_of=of) if of == name:
+                wheel = wheel._replace(friction_used=target)
+            case kinds.FrictionOf(friction_of=of, slip_above=above, steady=steady) if of == name:
+                wheel = wheel._replace(friction=target, slip_above_m_s=above, steady_s=steady)
+            case _:
+                pass
+    return wheel
+
+
+def _measured_speed(signals: Signals, wanted: Mapping[str, kinds.Traction]) -> str | None:
+    """Return the body speed from outside that slip is measured against."""
+    found = set()
+    for name, derived in wanted.items():
+        if isinstance(derived, kinds.RobotSpeedOf):
+            found.add((derived.measured, name, "measured"))
+        elif isinstance(derived, kinds.SlipSpeedOf | kinds.SlipOf):
+            source = signals.profile.derived.get(derived.speed)
+            speed = source.measured if isinstance(source, kinds.RobotSpeedOf) else derived.speed
+            found.add((speed, name, "speed"))
+    for speed, name, key in sorted(found):
+        if speed not in signals.profile.outside:
+            signals.problems.add_unknown(
+                "robot.signal",
+                ("derived", name, key),
+                "outside signal",
+                speed,
+                signals.profile.outside,
+                none="no outside signal at all",
+            )
+        else:
+            signals.number(speed, ("derived", name, key), SPEED)
+    speeds = sorted({speed for speed, *_ in found})
+    if len(speeds) > 1:
+        name, key = next((name, key) for speed, name, key in sorted(found) if speed == speeds[-1])
+        message = f"slip is measured against one speed, here against {' and '.join(speeds)}"
+        signals.problems.add("robot.signal", ("derived", name, key), message)
+    return next((speed for speed in speeds if speed in signals.profile.outside), None)
+
+
+def _check_traction(
+    signals: Signals, spec: TractionSpec, wanted: Mapping[str, kinds.Traction]
+) -> None:
+    """Report signals that can never be known, or that mean nothing."""
+    body, types = signals.profile.body, signals.vocabulary.types
+    blind = [f"joint {joint.name}" for joint in body.joints if joint.torque is None]
+    blind += [f"wheel {body.wheels[w.place].name}" for w in spec.wheels if w.torque < 0]
+    known: dict[tuple[str, object], str] = {}
+    for name, derived in wanted.items():
+        message = ""
+        match derived:
+            case kinds.LeastOf(least_of=sources):
+                others = [each for each in sources if types[each] != types[sources[0]]]
+                if others:
+                    message = f"'{others[0]}' is {types[others[0]]}, '{sources[0]}' is not"
+            case kinds.NormalForceOf() | kinds.FrictionOf() | kinds.FrictionUsedOf() if blind:
+                message = f"forces need every torque, that of {blind[0]} is not measured"
+            case _:
+                pass
+        kind = type(derived).__name__
+        what = (kind, next(iter(derived.model_dump().values())) if kind != "RobotSpeedOf" else "")
+        if kind != "LeastOf" and known.setdefault(what, name) != name:
+            message = f"'{known[what]}' is the same signal"
+        if message:
+            signals.problems.add("robot.signal", ("derived", name), message, key=True)
+
+
+def _index(names: tuple[str, ...], name: str | None) -> int:
+    return names.index(name) if name is not None and name in names else -1

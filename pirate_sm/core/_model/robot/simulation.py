@@ -1,0 +1,204 @@
+"""Settings of a robot for simulators only: friction, noise, defects, and its twin's numbers.
+
+A twin has the numbers that a profile assumes and a recording of the robot has shown.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self, TypeAlias
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from pirate_sm.core._model.base import AlsoWritten, Format, Frozen, Name
+from pirate_sm.core._model.quantities import (
+    Acceleration,
+    Angle,
+    AngularSpeed,
+    Count,
+    Current,
+    Duration,
+    Length,
+    Number,
+    Ratio,
+    Speed,
+    Stiffness,
+    Torque,
+)
+from pirate_sm.core._model.run_options import defect_as_text
+
+
+class Coefficients(Frozen):
+    """Coefficients of Coulomb friction between wheel and wall.
+
+    Attributes:
+        static: Coefficient of static friction.
+        kinetic: Coefficient of kinetic friction; at most ``static``.
+    """
+
+    static: Annotated[Ratio, Field(ge=0, le=5)]
+    kinetic: Annotated[Ratio, Field(ge=0, le=5)]
+
+    @model_validator(mode="after")
+    def _static_holds_more(self) -> Self:
+        if self.kinetic > self.static:
+            raise ValueError("kinetic friction cannot be more than static friction")
+        return self
+
+
+class Friction(Coefficients):
+    """Coulomb friction between wheel and wall.
+
+    Attributes:
+        threshold: Speed of the slip below which the static coefficient holds, on the backend
+            physics (thesis, table 4-1).
+    """
+
+    threshold: Annotated[Speed, Field(gt=0)] = 0.001
+
+
+class Noise(Frozen):
+    """Standard deviations of the seeded white noise of the sensors.
+
+    Attributes:
+        angle: For joint and wheel angles.
+        current: For motor currents.
+        acceleration: For accelerometers.
+        detector: For the position at which a simulated detector reports a word.
+    """
+
+    angle: Annotated[Angle, Field(ge=0)] = 0.0
+    current: Annotated[Current, Field(ge=0)] = 0.0
+    acceleration: Annotated[Acceleration, Field(ge=0)] = 0.0
+    detector: Annotated[Length, Field(ge=0)] = 0.0
+
+
+class RulerSettings(Frozen):
+    """A ruler outside the robot, which a run may switch on.
+
+    Attributes:
+        signal: The outside signal that it measures: the speed of the robot along the pipe.
+        every: The time between two measurements.
+        noise: Standard deviation of a measurement.
+    """
+
+    signal: Name
+    every: Annotated[Duration, Field(gt=0)]
+    noise: Annotated[Speed, Field(ge=0)] = 0.0
+
+
+SIMULATORS = frozenset({"physics", "sim"})
+"""Backends that simulate a robot in a pipe, from a seed."""
+
+Kind = Literal[
+    "dead_wheel",
+    "stiff_joint",
+    "sensor_stuck",
+    "sensor_drop",
+    "sensor_spike",
+    "zero_jump",
+    "silent_bay",
+    "silent_boards",
+    "lost_messages",
+    "stale_repeats",
+    "firmware_reset",
+    "controller_reset",
+    "controller_hang",
+    "stray_motion",
+]
+"""The kinds of defects, which `simulation/defects.py` simulates."""
+
+
+class Defect(Frozen):
+    """A known defect, which can be switched on by its name.
+
+    Attributes:
+        kind: What goes wrong.
+        description: One-line description.
+        wheels: The affected wheels.
+        joint: The affected joint.
+        signals: The signals of the affected channels.
+        raw: Raw counts that the affected channels show, or by which they jump.
+        boards: The affected boards; all if empty.
+        after: Time from the start of the run to its beginning.
+        every: Mean time between two occurrences.
+        lasting: How long one occurrence lasts.
+        friction: Dry friction of a stiff joint, drag of a dead wheel.
+        share: Share of lost messages.
+    """
+
+    kind: Kind
+    description: str
+    wheels: tuple[Name, ...] = ()
+    joint: Name | None = None
+    signals: tuple[Name, ...] = ()
+    raw: dict[Name, Number] = {}
+    boards: tuple[Count, ...] = ()
+    after: Annotated[Duration, Field(ge=0)] = 0.0
+    every: Annotated[Duration, Field(ge=0)] = 0.0
+    lasting: Annotated[Duration, Field(ge=0)] = 0.0
+    friction: Annotated[Torque, Field(ge=0)] = 0.0
+    share: Annotated[Ratio, Field(ge=0, le=0.5)] = 0.0
+
+
+_MAPPED = {
+    "type": "object",
+    "required": ["defect"],
+    "additionalProperties": {"type": ["string", "number"]},
+    "description": "A defect with numbers: {defect: NAME, after: 2 s}.",
+}
+DefectText: TypeAlias = Annotated[
+    str, BeforeValidator(defect_as_text), AlsoWritten(lambda _: [_MAPPED])
+]
+"""A defect with its numbers; see :mod:`pirate_sm.core._model.run_options`."""
+
+
+class Simulation(Frozen):
+    """Simulator settings of a robot.
+
+    Attributes:
+        friction: Between wheel and wall.
+        noise: On what the sensors see.
+        ruler: A ruler outside the robot; ``--ruler`` switches it on.
+        defects: Known defects by name; ``--defect`` switches one on.
+    """
+
+    friction: Friction
+    noise: Noise = Noise()
+    ruler: RulerSettings | None = None
+    defects: dict[Name, Defect] = {}
+
+
+class MotorNumbers(Frozen):
+    """Numbers of a kind of motor, instead of the profile's; what is left out stays.
+
+    Attributes:
+        no_load_speed: Speed at full duty without load.
+        stall_torque: Torque at full duty at standstill.
+        stiffness: Of the spring behind a worm.
+        hold_torque: Torque that turns a geared motor against its gearbox at duty 0.
+        dead_drag: Drag torque of a failed geared motor.
+    """
+
+    no_load_speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
+    stall_torque: Annotated[Torque, Field(gt=0)] | None = None
+    stiffness: Annotated[Stiffness, Field(gt=0)] | None = None
+    hold_torque: Annotated[Torque, Field(ge=0)] | None = None
+    dead_drag: Annotated[Torque, Field(ge=0)] | None = None
+
+
+class Twin(Frozen):
+    """What a simulated robot has instead of its profile's numbers.
+
+    Attributes:
+        format: Version of this format.
+        robot: Name of the robot.
+        motors: By kind of motor.
+        joints: The same of the motor of one joint, instead of those of its kind.
+        friction: Between wheel and wall, instead of the profile's.
+    """
+
+    format: Format
+    robot: Name
+    motors: dict[Name, MotorNumbers] = {}
+    joints: dict[Name, MotorNumbers] = {}
+    friction: Friction | None = None
