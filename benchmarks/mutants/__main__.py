@@ -47,9 +47,7 @@ PACKAGES = {
     ),
     "program": tuple(
         f"pirate_sm/core/_loading/mission/{name}.py"
-        for name in (
-            *("program", "program_writer", "wait_writer", "assembler", "called_missions", "scope"),
-        )
+        for name in ("program", "program_writer", "called_missions", "scope", "parameter_values")
     ),
     "exploration": ("pirate_sm/checking/exploring",),
     "recordings": (

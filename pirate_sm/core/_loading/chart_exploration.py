@@ -14,7 +14,7 @@ from dataclasses import asdict
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from platformdirs import user_cache_path
 
@@ -30,10 +30,6 @@ from pirate_sm.core._loading.chart_outline import (
 from pirate_sm.core._loading.problems import Problems
 from pirate_sm.core._loading.yaml.document import Document
 from pirate_sm.core.on_disk import replace_file
-
-if TYPE_CHECKING:
-    from pirate_sm.core._loading.yaml.document import Document
-
 
 MOST_CONFIGURATIONS = 20_000
 """Largest number of configurations of a chart, because later checks visit all of them."""

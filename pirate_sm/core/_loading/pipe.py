@@ -366,7 +366,7 @@ def _check_ports(pipe: Pipe, at: At, problems: Problems) -> None:
 
 def _check_routes(pipe: Pipe, at: At, problems: Problems) -> None:
     """Report routes through unknown runs or runs that do not meet, and a missing route."""
-    assert pipe.runs is not None  # as check_junctions has seen
+    assert pipe.runs is not None  # as _check_junctions has seen
     runs = pipe.runs
     if not pipe.routes and len(runs) > 1:
         message = "a network of several runs needs a route: `routes: {NAME: [RUN, RUN]}`"

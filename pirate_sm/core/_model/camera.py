@@ -15,6 +15,7 @@ from pirate_sm.core._model.quantities import (
     Length,
     Number,
     Pixels,
+    PositiveLength,
     Ratio,
 )
 
@@ -64,7 +65,7 @@ class Hand(Frozen):
     """
 
     at: tuple[Length, Length]
-    size: Annotated[Length, Field(gt=0)]
+    size: PositiveLength
 
 
 class SyntheticView(Frozen):
@@ -176,7 +177,6 @@ CameraSource: TypeAlias = Annotated[
 ]
 
 
-Positive = Annotated[Length, Field(gt=0)]
 Point: TypeAlias = tuple[Length, Length, Length]
 TagFamily = Literal["aruco_4x4_50", "apriltag_36h11"]
 TagNumber = Annotated[str, StringConstraints(pattern=r"^(0|[1-9]\d{0,2})$")]
@@ -251,7 +251,7 @@ class Setup(Frozen):
     """
 
     tags: TagFamily | None = None
-    size: Positive | None = None
+    size: PositiveLength | None = None
     at: Annotated[dict[TagNumber, Point], Field(max_length=100)] = {}
     points: Annotated[tuple[SeenPoint, ...], Field(max_length=100)] = ()
     pose: CameraPose | None = None
@@ -282,7 +282,7 @@ class Marker(Frozen):
     hsv: tuple[Hsv, Hsv]
     finder: Finder = "components"
     blur: Annotated[Pixels, Field(ge=1, le=51)] = 5.0
-    size: Positive
+    size: PositiveLength
     height: Annotated[Length, Field(ge=0)]
     on: Name
 
@@ -299,7 +299,7 @@ class RobotTags(Frozen):
     """
 
     tags: TagFamily
-    size: Positive
+    size: PositiveLength
     height: Annotated[Length, Field(ge=0)]
     on: Annotated[dict[TagNumber, Name], Field(min_length=1)]
 

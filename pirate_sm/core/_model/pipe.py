@@ -27,7 +27,7 @@ from pirate_sm.core._model.pipe_runs import (
     expanded,
     within,
 )
-from pirate_sm.core._model.quantities import Angle, Duration, Length, key_fault
+from pirate_sm.core._model.quantities import Angle, Duration, Length, PositiveDuration, key_fault
 from pirate_sm.core._model.robot.simulation import Coefficients, Friction
 
 
@@ -55,7 +55,7 @@ class Turns(Frozen):
     """
 
     from_s: Annotated[Duration, Field(alias="from", ge=0)]
-    to: Annotated[Duration, Field(gt=0)]
+    to: PositiveDuration
     tilt: Annotated[Angle, within(90)]
 
     @model_validator(mode="after")

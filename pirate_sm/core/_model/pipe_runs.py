@@ -10,7 +10,7 @@ from pydantic import AfterValidator, Field, StringConstraints, Tag
 
 from pirate_sm.core._geometry import network as space
 from pirate_sm.core._model.base import Frozen, by_key
-from pirate_sm.core._model.quantities import Angle, Length, range_fault
+from pirate_sm.core._model.quantities import Angle, Length, PositiveLength, range_fault
 from pirate_sm.core._model.robot.simulation import Coefficients
 
 _ROUNDING_DEG = 1e-6
@@ -180,7 +180,7 @@ class Patch(Coefficients):
     """
 
     from_m: Annotated[Length, Field(alias="from", ge=0)]
-    to: Annotated[Length, Field(gt=0)]
+    to: PositiveLength
 
 
 class PipeRun(Frozen):

@@ -386,8 +386,10 @@ Pixels: TypeAlias = Annotated[
     ),
 ]
 Length: TypeAlias = Annotated[float, *_of(units.LENGTH)]
+PositiveLength: TypeAlias = Annotated[Length, Field(gt=0)]
 Angle: TypeAlias = Annotated[float, *_of(units.ANGLE)]
 Duration: TypeAlias = Annotated[float, *_of(units.TIME)]
+PositiveDuration: TypeAlias = Annotated[Duration, Field(gt=0)]
 Frequency: TypeAlias = Annotated[float, *_of(units.FREQUENCY)]
 Inertia: TypeAlias = Annotated[float, *_of(units.INERTIA)]
 Speed: TypeAlias = Annotated[float, *_of(units.SPEED)]

@@ -398,9 +398,5 @@ def _reduced(view: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
     return _read_only, (dict(view),)
 
 
-def make_picklable() -> None:
-    """Teach :mod:`pickle` the read-only views that a loaded mission holds; it knows none itself."""
-    pickle(MappingProxyType, _reduced)
-
-
-make_picklable()
+# A loaded mission holds read-only views, of which :mod:`pickle` knows nothing itself.
+pickle(MappingProxyType, _reduced)

@@ -17,7 +17,7 @@ from pirate_sm.core._engine.robot.command_spec import (
     Write,
 )
 from pirate_sm.core._engine.robot.criteria import AlignedSpec
-from pirate_sm.core._engine.robot.robot_spec import ChartTable
+from pirate_sm.core._engine.robot.robot_spec import Actuation, ChartTable
 from pirate_sm.core._engine.sensing.body_spec import BodySpec, Imu, Vee
 from pirate_sm.core._geometry.space import GRAVITY_M_S2
 from pirate_sm.core._loading.problems import Path, Problems
@@ -174,7 +174,7 @@ def resolve_chain(signals: Signals) -> BodySpec:
     profile, body = signals.profile, signals.profile.body
     sign = -1 if signals.polarity == "mirrored" else 1
     roll = next((link.roll for link in body.links if link.roll is not None), None)
-    joints = {joint.wheel: _number(signals, joint.name) for joint in body.joints}
+    joints = {joint.wheel: signals.index(joint.name) for joint in body.joints}
     return BodySpec(
         lengths_m=tuple(link.length for link in body.links),
         joints=tuple(joints.get(wheel.name, -1) for wheel in body.wheels),
@@ -183,9 +183,8 @@ def resolve_chain(signals: Signals) -> BodySpec:
         wheel_radius_m=body.wheel_radius,
         roll_link=next((i for i, link in enumerate(body.links) if link.roll is not None), -1),
         imu=_imu(profile, signals),
-        roll=_number(signals, roll) if roll else -1,
-        weight_n=GRAVITY_M_S2
-        * (sum(each.mass for each in body.wheels) + sum(each.mass for each in body.links)),
+        roll=signals.index(roll),
+        weight_n=body.mass_kg * GRAVITY_M_S2,
     )
 
 
@@ -194,8 +193,8 @@ def _vee(profile: model.Profile, signals: Signals, name: str) -> Vee:
     apex = body.apex_of(name)
     return Vee(
         tuple(index for index, wheel in enumerate(body.wheels) if wheel.part == name),
-        _number(signals, apex.name) if apex else -1,
-        _number(signals, profile.diameter_of(name)),
+        signals.index(apex.name if apex else None),
+        signals.index(profile.diameter_of(name)),
         apex.end_stop if apex else 0.0,
     )
 
@@ -217,22 +216,15 @@ def _imu(profile: model.Profile, signals: Signals) -> Imu | None:
                 if module not in modules:
                     return None
                 link = modules.index(module)
-                x, y, z = (_number(signals, source) for source in sources)
+                x, y, z = (signals.index(source) for source in sources)
                 roll = profile.body.links[link].roll
-                return Imu(link, (x, y, z), _number(signals, roll) if roll else -1)
+                return Imu(link, (x, y, z), signals.index(roll))
             case _:
                 pass
     return None
 
 
-def _number(signals: Signals, name: str) -> int:
-    names = signals.vocabulary.numbers
-    return names.index(name) if name in names else -1
-
-
-def resolve_actuation(
-    table: ChartTable, signals: Signals, slots: Slots
-) -> tuple[Mapping[str, tuple[StageSpec, ...]], ...]:
+def resolve_actuation(table: ChartTable, signals: Signals, slots: Slots) -> Actuation:
     """Per region and state its stages; each state of a region writes the same slots.
 
     In mirrored polarity every slot that mirrors has the other sign.
@@ -398,7 +390,7 @@ def levels(slot: SlotSpec, signals: Signals, path: Path) -> bool:
 
     It turns a roll joint, ahead of which an accelerometer sits.
     """
-    imu = resolve_chain(signals).imu
+    imu = _imu(signals.profile, signals)
     if slot.unit == "angle" and imu is not None and slot.angle >= 0 and imu.roll == slot.angle:
         return True
     message = (
@@ -412,7 +404,7 @@ def levels(slot: SlotSpec, signals: Signals, path: Path) -> bool:
 
 def check_levelled(
     table: ChartTable,
-    actuation: Sequence[Mapping[str, tuple[StageSpec, ...]]],
+    actuation: Actuation,
     commands: Sequence[CommandSpec],
     problems: Problems,
 ) -> None:
@@ -428,9 +420,7 @@ def check_levelled(
             problems.add("robot.criterion", ("commands", spec.name, "done"), message)
 
 
-def _levelled(
-    table: ChartTable, actuation: Sequence[Mapping[str, tuple[StageSpec, ...]]], command: int
-) -> Iterator[int]:
+def _levelled(table: ChartTable, actuation: Actuation, command: int) -> Iterator[int]:
     """Yield the slots that are levelled in the states that the command enters."""
     for here, states in enumerate(table.configurations):
         after = table.configurations[table.follow(here, command)]

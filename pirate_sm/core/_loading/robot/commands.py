@@ -36,8 +36,6 @@ from pirate_sm.core._model.faults import BuiltInFault
 from pirate_sm.core._model.mission import Mission
 from pirate_sm.core._model.robot import criteria
 from pirate_sm.core._model.robot import profile as model
-from pirate_sm.core._model.robot.criteria import SafetyRule
-from pirate_sm.core._model.robot.profile import Profile
 from pirate_sm.core.spelling import one_of
 from pirate_sm.core.units import (
     ANGLE,
@@ -365,7 +363,9 @@ def _angle_slot(name: str, signals: Signals, path: Path) -> tuple[int, int] | No
     return None
 
 
-def resolve_rules(profile: Profile, table: ChartTable, problems: Problems) -> tuple[RuleSpec, ...]:
+def resolve_rules(
+    profile: model.Profile, table: ChartTable, problems: Problems
+) -> tuple[RuleSpec, ...]:
     """Return all rules with compiled conditions; report rules with faults."""
     if not profile.rules:
         return ()
@@ -401,7 +401,7 @@ def rules_for(mission: Mission, rules: tuple[RuleSpec, ...]) -> tuple[RuleSpec, 
 
 
 def _rule(
-    rule: SafetyRule, vocabulary: Vocabulary, path: Path, problems: Problems
+    rule: criteria.SafetyRule, vocabulary: Vocabulary, path: Path, problems: Problems
 ) -> RuleSpec | None:
     key = next(key for key in ("always", "never", "expect") if getattr(rule, key) is not None)
     text: str = getattr(rule, key)

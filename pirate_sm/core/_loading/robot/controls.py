@@ -180,14 +180,10 @@ def _modified(
     return tuple({state: stages(each) for state, each in states.items()} for states in actuation)
 
 
-def weight_n(signals: Signals) -> float:
-    """Return the weight of the robot."""
-    return signals.profile.body.mass_kg * GRAVITY_M_S2
-
-
 def _assists(signals: Signals) -> dict[int, float]:
     """Return by slot the torque by which each wheel bears its share of the weight, upright."""
-    share_n = weight_n(signals) / len(signals.profile.body.wheels)
+    body = signals.profile.body
+    share_n = body.mass_kg * GRAVITY_M_S2 / len(body.wheels)
     return {wheel.slot: share_n * wheel.metres_per_rad for wheel in signals.wheels}
 
 
@@ -239,7 +235,7 @@ def _grips(grip: Grip, name: str, signals: Signals, slots: Slots) -> dict[int, G
             speed=speed,
             angle=names.index(settings.apex),
             leg_m=body.legs_m(part)[0],
-            weight_n=weight_n(signals),
+            weight_n=body.mass_kg * GRAVITY_M_S2,
             wheels=len(body.wheels),
             share=1.0 if grip.share == "as_printed" else 2.0,
             at_least_nm=grip.at_least,
@@ -280,7 +276,7 @@ class _Postures:
     signals: Signals
     slots: Slots
     held: tuple[frozenset[int], ...]
-    actuation: tuple[Mapping[str, tuple[StageSpec, ...]], ...]
+    actuation: Actuation
 
     def pressing(self, configuration: int) -> Iterator[tuple[str, int, float]]:
         """Yield for each held part its name, the slot of its apex, and the duty that holds it."""
@@ -303,7 +299,7 @@ def resolve_postures(
     signals: Signals,
     slots: Slots,
     held: tuple[frozenset[int], ...],
-    actuation: tuple[Mapping[str, tuple[StageSpec, ...]], ...],
+    actuation: Actuation,
 ) -> Mapping[str, ByConfiguration]:
     """Return the postures by name: per configuration the first case that applies, or None.
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from pirate_sm.core._engine.mission.program import RuleSpec
 from pirate_sm.core._engine.robot.robot_spec import ChartTable, RobotSpec
@@ -39,9 +40,6 @@ from pirate_sm.core._model.robot.body import Motor
 from pirate_sm.core._model.robot.profile import Profile
 from pirate_sm.core._model.robot.simulation import MotorNumbers, Twin
 from pirate_sm.core.errors import UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 Polarity = Literal["normal", "mirrored"]
 

@@ -95,7 +95,7 @@ def _board(signals: Signals, number: int, board: model.Board, position: int) -> 
                 | kinds.FrictionOf()
                 | kinds.LeastOf()
             ):
-                pass  # made of all wheels, see also `traction_signals`
+                pass  # made of all wheels, see also `resolve_traction`
     wheels = tuple(w for w in signals.wheels if names[w.angle] in told)
     return BoardSpec(board.id, board.module, position, channels, tuple(computed), wheels, ())
 
@@ -233,7 +233,7 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
     wanted = {n: d for n, d in profile.derived.items() if isinstance(d, kinds.Traction)}
     if not wanted:
         return None
-    body, names = profile.body, signals.vocabulary.numbers
+    body = profile.body
     modules = [link.module for link in body.links]
     torques = {joint.wheel: joint.torque for joint in body.joints}
     on_boards = [next((b for b in boards.values() if w in b.wheels), None) for w in signals.wheels]
@@ -246,10 +246,10 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
     spec = TractionSpec(
         wheels,
         wheels[-1].board,
-        tuple(_index(names, torques.get(wheel.name)) for wheel in body.wheels),
+        tuple(signals.index(torques.get(wheel.name)) for wheel in body.wheels),
         tuple(modules.index(module) if module in modules else 0 for module in mounts),
         _masses_kg(body),
-        measured=_index(names, measured),
+        measured=signals.index(measured),
         averages_s=profile.outside[measured].averages if measured else 0.0,
         # A frame is late by one way of the link, its echo by both.
         delay_s=profile.link.echo_delay,
@@ -304,7 +304,7 @@ def _with_shared(
                     robot_speed=names.index(name), rolling=rolling, agreeing_m_s=agreeing
                 )
             case kinds.LeastOf(least_of=sources):
-                known = tuple(_index(names, source) for source in sources)
+                known = tuple(signals.index(source) for source in sources)
                 spec = spec._replace(least=(*spec.least, (names.index(name), known)))
             case _:
                 pass
@@ -397,7 +397,3 @@ def _check_traction(
             message = f"'{known[what]}' is the same signal"
         if message:
             signals.problems.add("robot.signal", ("derived", name), message, key=True)
-
-
-def _index(names: tuple[str, ...], name: str | None) -> int:
-    return names.index(name) if name is not None and name in names else -1

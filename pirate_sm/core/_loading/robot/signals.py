@@ -97,6 +97,11 @@ class Signals:
         of_joints = {each for joint in body.joints for each in (joint.name, joint.torque)}
         return of_wheels | of_joints | {link.roll for link in body.links}
 
+    def index(self, name: str | None) -> int:
+        """Return the index of a numeric signal; -1 without one."""
+        names = self.vocabulary.numbers
+        return names.index(name) if name in names else -1
+
     def constant(self, text: str, path: Path) -> tuple[float, Dimension]:
         """Return the SI value and dimension of a constant expression such as ``360 deg / 4096``."""
         try:

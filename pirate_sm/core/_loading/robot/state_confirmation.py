@@ -18,13 +18,11 @@ from pirate_sm.core._engine.robot.criteria import (
     Sight,
     StandingSpec,
 )
-from pirate_sm.core._engine.robot.robot_spec import ChartTable
+from pirate_sm.core._engine.robot.robot_spec import Actuation, ChartTable
 from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.commands import resolve_load, turning_rad_s
 from pirate_sm.core._loading.robot.signals import Signals
 from pirate_sm.core._model.robot import criteria as model
-
-Actuation = tuple[Mapping[str, tuple[StageSpec, ...]], ...]
 
 
 def resolve_sight(

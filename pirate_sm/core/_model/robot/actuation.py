@@ -12,9 +12,9 @@ from pydantic_core import CoreSchema
 from pirate_sm.core._model.base import AlsoWritten, Condition, Frozen, Name
 from pirate_sm.core._model.quantities import (
     Angle,
-    Duration,
     Flag,
     Number,
+    PositiveDuration,
     Torque,
     written,
     written_ratio,
@@ -249,7 +249,7 @@ class Grip(Frozen):
     at_least: Annotated[Torque, Field(ge=0)] = 0.0
     at_most: Annotated[Torque, Field(gt=0)] | None = None
     alarm: Annotated[SlipSpeed, Field(gt=0)] = 0.010
-    lower_within: Annotated[Duration, Field(gt=0)] = 10.0
+    lower_within: PositiveDuration = 10.0
 
     @model_validator(mode="after")
     def _has_room(self) -> Grip:

@@ -12,15 +12,13 @@ from pirate_sm.core._model.quantities import (
     AngularSpeed,
     Current,
     Inertia,
-    Length,
     Mass,
     Number,
+    PositiveLength,
     Ratio,
     Stiffness,
     Torque,
 )
-
-PositiveLength = Annotated[Length, Field(gt=0)]
 
 
 class Wheel(Frozen):

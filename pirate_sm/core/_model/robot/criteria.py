@@ -19,7 +19,8 @@ from pirate_sm.core._model.quantities import (
     AnyQuantity,
     Count,
     Duration,
-    Length,
+    PositiveDuration,
+    PositiveLength,
     Ratio,
     Torque,
 )
@@ -38,7 +39,7 @@ class Weak(Frozen):
     """
 
     at_least: Annotated[Torque, Field(gt=0)] | None = None
-    settled: Annotated[Duration, Field(gt=0)] | None = None
+    settled: PositiveDuration | None = None
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
@@ -190,9 +191,6 @@ Criterion: TypeAlias = Annotated[
 ]
 
 
-PositiveDuration = Annotated[Duration, Field(gt=0)]
-
-
 class HeldPart(Load):
     """Criterion of a held part without actuation.
 
@@ -319,7 +317,7 @@ class Seen(Frozen):
     """
 
     within: PositiveDuration = 1.0
-    wheels_agree: Annotated[Length, Field(gt=0)] = 0.003
+    wheels_agree: PositiveLength = 0.003
     tilt: Annotated[Angle, Field(gt=0)] = radians(15)
     joint_off: Annotated[Angle, Field(gt=0)] = radians(5)
     parts: dict[Name, HeldPart] = {}

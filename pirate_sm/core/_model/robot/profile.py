@@ -14,7 +14,15 @@ from pydantic import Field, model_validator
 from pirate_sm.core._geometry.route import JointKind, JointOrEnd
 from pirate_sm.core._geometry.space import Frame, Vector, dot
 from pirate_sm.core._model.base import OR_ONE, Condition, FaultCode, Format, Frozen, Name
-from pirate_sm.core._model.quantities import Angle, Count, Duration, Flag, Length, Ratio
+from pirate_sm.core._model.quantities import (
+    Angle,
+    Count,
+    Duration,
+    Flag,
+    Length,
+    PositiveDuration,
+    Ratio,
+)
 from pirate_sm.core._model.robot.actuation import Control, PostureCase, Stages
 from pirate_sm.core._model.robot.body import Body, Motor
 from pirate_sm.core._model.robot.criteria import Criterion, SafetyRule, Seen
@@ -121,9 +129,6 @@ class Travel(Frozen):
 def _climbs_rad(frame: Frame, up: Vector) -> float:
     """Return how steep a leg climbs."""
     return asin(min(max(dot(frame.ahead, up), -1.0), 1.0))
-
-
-PositiveDuration = Annotated[Duration, Field(gt=0)]
 
 
 class Slot(Frozen):

@@ -14,6 +14,7 @@ from pirate_sm.core._model.quantities import (
     Count,
     Duration,
     Number,
+    PositiveDuration,
     Ratio,
     Speed,
 )
@@ -103,11 +104,11 @@ class Serial(Frozen):
 
     baud: Annotated[Count, Field(gt=0)]
     boot: Duration
-    echo_within: Annotated[Duration, Field(gt=0)]
-    recover_within: Annotated[Duration, Field(gt=0)] = 6.0
-    refresh_every: Annotated[Duration, Field(gt=0)] | None = None
-    stop_after: Annotated[Duration, Field(gt=0)] | None = None
-    heartbeat_within: Annotated[Duration, Field(gt=0)]
+    echo_within: PositiveDuration
+    recover_within: PositiveDuration = 6.0
+    refresh_every: PositiveDuration | None = None
+    stop_after: PositiveDuration | None = None
+    heartbeat_within: PositiveDuration
     messages: str = "messages"
     setpoints: SetpointTopic
     echo: SetpointTopic
@@ -360,7 +361,6 @@ Derived: TypeAlias = Annotated[
 
 _Factor = Annotated[Number, Field(gt=0)]
 _PositiveAngle = Annotated[Angle, Field(gt=0)]
-_PositiveDuration = Annotated[Duration, Field(gt=0)]
 _Readings = Annotated[Count, Field(ge=1)]
 
 
@@ -404,13 +404,13 @@ class Plausibility(Frozen):
     acceleration: Annotated[Acceleration, Field(gt=0)] | None = None
     hold_back: Count = 2
     spikes: _Readings = 5
-    spikes_within: _PositiveDuration = 10.0
-    stuck_after: _PositiveDuration = 1.5
+    spikes_within: PositiveDuration = 10.0
+    stuck_after: PositiveDuration = 1.5
     unloaded: Annotated[Ratio, Field(gt=0, le=1)] = 0.4
     surely_driven: _Factor = 1.5
-    settle: _PositiveDuration = 1.5
+    settle: PositiveDuration = 1.5
     joint_moved: _PositiveAngle = radians(20)
     wheel_moved: _PositiveAngle = 1.0
     moved_readings: _Readings = 2
     spring: Annotated[Ratio, Field(ge=0, lt=1)] = 0.0
-    repeats: _PositiveDuration = 0.2
+    repeats: PositiveDuration = 0.2

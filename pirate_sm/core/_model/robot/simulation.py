@@ -19,6 +19,7 @@ from pirate_sm.core._model.quantities import (
     Duration,
     Length,
     Number,
+    PositiveDuration,
     Ratio,
     Speed,
     Stiffness,
@@ -82,7 +83,7 @@ class RulerSettings(Frozen):
     """
 
     signal: Name
-    every: Annotated[Duration, Field(gt=0)]
+    every: PositiveDuration
     noise: Annotated[Speed, Field(ge=0)] = 0.0
 
 

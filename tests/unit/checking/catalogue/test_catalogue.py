@@ -23,7 +23,7 @@ SOURCES = [
     PACKAGE / "lab" / "gallery" / "scene_file.py",
     PACKAGE / "lab" / "campaign" / "campaign_file.py",
     PACKAGE / "lab" / "campaign" / "named_parts.py",
-    *(each for each in (PACKAGE / "core" / "_model").glob("*.py") if each.name != "fault_codes.py"),
+    *(each for each in (PACKAGE / "core" / "_model").rglob("*.py") if each.name != "faults.py"),
     *sorted((PACKAGE / "robot").glob("*.py")),
     *sorted((PACKAGE / "robot" / "control_panel").glob("*.py")),
     PACKAGE / "cli" / "commands" / "check.py",

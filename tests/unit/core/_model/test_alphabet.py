@@ -11,6 +11,9 @@ from pirate_sm.core._model import effects, events
 
 MEASURED = ("segment", "roll_rad", "pitch_rad", "diameter_m")
 
+BESIDES = {events.FrameBlock, events.Rows, effects.Display, effects.LaneMark, effects.LaneSpan}
+"""Classes beside the alphabet: many frames at once, and what views show of an effect."""
+
 AHEAD = ("joint", "junction", "opening_roll_rad", "distance_m", "diameter_ahead_m", "run", "arc_m")
 """What both environment reports have of the joint ahead, and of the place on the route."""
 
@@ -20,7 +23,7 @@ def classes(module) -> set[type]:
         value
         for value in vars(module).values()
         if inspect.isclass(value) and value.__module__ == module.__name__
-    }
+    } - BESIDES
 
 
 @pytest.mark.parametrize(("module", "union"), [(events, events.Event), (effects, effects.Effect)])
