@@ -8,9 +8,6 @@ from __future__ import annotations
 import os
 from typing import Any, TypeAlias
 
-import numpy as np
-import numpy.typing as npt
-
 from pirate_sm.core.errors import not_installed
 
 # It reads these when it is imported. Without them, a camera that is missing prints ten lines.
@@ -19,6 +16,8 @@ os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 
 try:
     import cv2 as _cv2
+    import numpy as np
+    import numpy.typing as npt
 except ImportError:
     raise not_installed("a camera", "opencv", "vision") from None
 
