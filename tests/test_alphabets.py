@@ -95,7 +95,7 @@ ALPHABETS = {
         "NewCriterionSpec(NamedTuple)",
         (
             "checking/robot/profile_numbers.py",
-            "core/_engine/robot/done.py",
+            "core/_engine/robot/done_criteria.py",
         ),
     ),
     "way to see a state": Alphabet(

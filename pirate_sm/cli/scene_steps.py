@@ -14,7 +14,7 @@ from pirate_sm.core.campaign import SceneStep
 from pirate_sm.core.documents import LoadError
 from pirate_sm.core.documents import Path as Keys
 from pirate_sm.core.errors import PirateError, RecordingError, UsageError
-from pirate_sm.core.files import foreign, library
+from pirate_sm.core.files import library, permissions
 from pirate_sm.core.loading import LoadedMission, load_mission
 from pirate_sm.core.spelling import unknown
 from pirate_sm.lab.gallery.scene_file import ASKS, OUT, UNKNOWN, recording_of, words_of
@@ -44,7 +44,7 @@ def why_unplayable(step: SceneStep, folders: Mapping[str, Path]) -> Iterator[tup
 def _unknown(step: SceneStep, given: dict[str, Any], own: Path) -> Iterator[tuple[str, Keys, str]]:
     """Yield what a run and its step name that is not there; nothing where its files have faults."""
     name = given.get("mission")
-    if name is None or foreign.is_below(Path(name), own):
+    if name is None or permissions.is_below(Path(name), own):
         return  # resumed, or written by a step before
     try:
         path = library.find_mission(name)
@@ -88,9 +88,9 @@ def why_refused(words: Sequence[str], own: Path) -> str:
 
 def _refusals(words: Sequence[str], own: Path) -> Iterator[str]:
     name = words[0] if words else ""
-    allowed = foreign.SCENES.get(name)
+    allowed = permissions.SCENES.get(name)
     if allowed is None:
-        yield f"a scene cannot run the command '{name}', only {', '.join(foreign.SCENES)}"
+        yield f"a scene cannot run the command '{name}', only {', '.join(permissions.SCENES)}"
         return
     if _PRINTS.intersection(words):
         yield f"a scene cannot ask for {', '.join(sorted(_PRINTS.intersection(words)))}"
@@ -102,8 +102,8 @@ def _refusals(words: Sequence[str], own: Path) -> Iterator[str]:
         return
     for option in sorted(given.keys() - allowed):
         yield f"a scene cannot give '{name}' the option {_written(name, option)}"
-    for place in _texts(given, foreign.WRITES.get(name, ())):
-        if not foreign.is_below(Path(place), own):
+    for place in _texts(given, permissions.WRITES.get(name, ())):
+        if not permissions.is_below(Path(place), own):
             yield f"a scene writes below its own folder, {{out}}, not to '{place}'"
     if name == "run":
         yield from _reached(given)
@@ -142,7 +142,7 @@ def _reached(given: dict[str, Any]) -> Iterator[str]:
             backend, recorded = header.backend, str(header.options.get("detector") or "")
         except RecordingError:  # an earlier step writes it; it is asked again before it is resumed
             backend = "sim"
-    if backend not in foreign.SIMULATED:
+    if backend not in permissions.SIMULATED:
         yield f"a scene only simulates: the backend '{backend}' may reach a robot"
     for detector in (recorded, *_texts(given, ("detector", "also"))):
         try:

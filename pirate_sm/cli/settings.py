@@ -43,9 +43,11 @@ class Setting:
 
 def _backends() -> Collection[str]:
     from pirate_sm.core.registry import points_of
-    from pirate_sm.robot import known
+    from pirate_sm.robot import part_names
 
-    return sorted({*known.BACKENDS, *(point.name for point in points_of(known.BACKEND_GROUP))})
+    return sorted(
+        {*part_names.BACKENDS, *(point.name for point in points_of(part_names.BACKEND_GROUP))}
+    )
 
 
 SETTINGS: Mapping[str, Setting] = {

@@ -31,14 +31,6 @@ from pirate_sm.core._engine.sensing.body_spec import (
     plane_of,
     wheel_at,
 )
-from pirate_sm.core._engine.sensing.conversion import (
-    Row,
-    ask,
-    forget_stale,
-    measured,
-    observe,
-    signal_table,
-)
 from pirate_sm.core._engine.sensing.environment import (
     AGREEING,
     AT_REST,
@@ -58,4 +50,12 @@ from pirate_sm.core._engine.sensing.environment import (
 )
 from pirate_sm.core._engine.sensing.known_signals import MotorRequest, Sensing, nothing_known
 from pirate_sm.core._engine.sensing.plausibility import Reading, sift, unseen
+from pirate_sm.core._engine.sensing.signal_table import (
+    Row,
+    ask,
+    forget_stale,
+    measured,
+    observe,
+    signal_table,
+)
 from pirate_sm.core._engine.sensing.traction import with_traction

@@ -25,7 +25,7 @@ from pirate_sm.core.files import library, shown
 from pirate_sm.core.loading import validate
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.spelling import nearest
-from pirate_sm.robot.known import BY_CAMERA, BY_SOCKET
+from pirate_sm.robot.part_names import BY_CAMERA, BY_SOCKET
 
 # --- reading --------------------------------------------------------------------------------------
 

@@ -361,20 +361,20 @@ def routes(context: typer.Context, typed: str) -> Iterator[Candidate]:
 
 def backends(context: typer.Context, typed: str) -> Iterator[Candidate]:
     """Yield the backends, also of other packages."""
-    from pirate_sm.robot import known
+    from pirate_sm.robot import part_names
 
-    yield from _parts(known.BACKENDS, known.BACKEND_GROUP)
+    yield from _parts(part_names.BACKENDS, part_names.BACKEND_GROUP)
 
 
 def detectors(context: typer.Context, typed: str) -> Iterator[Candidate]:
     """Yield the detectors, also of other packages; after ``vision:`` the cameras."""
-    from pirate_sm.robot import known
+    from pirate_sm.robot import part_names
 
     name, colon, camera = typed.partition(":")
     if not colon:
-        for each, about in _parts(known.DETECTORS, known.DETECTOR_GROUP):
-            yield (f"{each}:" if each == known.BY_CAMERA else each), about
-    elif name == known.BY_CAMERA:
+        for each, about in _parts(part_names.DETECTORS, part_names.DETECTOR_GROUP):
+            yield (f"{each}:" if each == part_names.BY_CAMERA else each), about
+    elif name == part_names.BY_CAMERA:
         for each, about in cameras(context, camera):
             yield f"{name}:{each}", about
 

@@ -1,1 +1,1 @@
-"""The options of each command, and how their values are read; importing them is quick."""
+"""The options of commands, quickly imported; those of a run are in ``core/_model/run_options.py``."""

@@ -24,9 +24,9 @@ from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.sensor_verdict import proofs_after
 from pirate_sm.core._engine.safety import rules, start_check
 from pirate_sm.core._engine.safety.faults import listen, unsettle
-from pirate_sm.core._engine.sensing.conversion import forget_stale
 from pirate_sm.core._engine.sensing.environment import NOTHING_AROUND, differs, merged, survey
 from pirate_sm.core._engine.sensing.known_signals import Sensing
+from pirate_sm.core._engine.sensing.signal_table import forget_stale
 from pirate_sm.core._engine.state import EngineState
 from pirate_sm.core._model.effects import WakeAt
 

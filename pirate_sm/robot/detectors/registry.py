@@ -27,7 +27,7 @@ from pirate_sm.core.profile import Profile
 from pirate_sm.core.registry import Plugin, Registry
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.simulation import Truth
-from pirate_sm.robot import known
+from pirate_sm.robot import part_names
 from pirate_sm.robot.detectors.odometry import Odometry
 from pirate_sm.robot.detectors.simple_detectors import SignalWords, TruePlaces, offer
 from pirate_sm.robot.detectors.socket_detector import AcceptedLines, OutsideWords, read_address
@@ -435,18 +435,18 @@ def _guards(whose: str, made: Detecting) -> Detecting:
     )
 
 
-SIM: Plugin[MakeDetector] = Plugin(known.DETECTORS["sim"], _true_places)
-ODOMETRY: Plugin[MakeDetector] = Plugin(known.DETECTORS["odometry"], _odometry)
-SIGNALS: Plugin[MakeDetector] = Plugin(known.DETECTORS["signals"], _signals)
-OPERATOR: Plugin[MakeDetector] = Plugin(known.DETECTORS["operator"], _operator)
-SOCKET: Plugin[MakeDetector] = Plugin(known.DETECTORS[known.BY_SOCKET], _socket)
+SIM: Plugin[MakeDetector] = Plugin(part_names.DETECTORS["sim"], _true_places)
+ODOMETRY: Plugin[MakeDetector] = Plugin(part_names.DETECTORS["odometry"], _odometry)
+SIGNALS: Plugin[MakeDetector] = Plugin(part_names.DETECTORS["signals"], _signals)
+OPERATOR: Plugin[MakeDetector] = Plugin(part_names.DETECTORS["operator"], _operator)
+SOCKET: Plugin[MakeDetector] = Plugin(part_names.DETECTORS[part_names.BY_SOCKET], _socket)
 
-_ELSEWHERE = {known.BY_CAMERA: "pirate_sm.running.wiring.vision:DETECTOR"}
+_ELSEWHERE = {part_names.BY_CAMERA: "pirate_sm.running.wiring.vision:DETECTOR"}
 
 DETECTORS: Registry[MakeDetector] = Registry(
     "detector",
-    known.DETECTOR_GROUP,
-    {name: f"{__name__}:{name.upper()}" for name in known.DETECTORS} | _ELSEWHERE,
+    part_names.DETECTOR_GROUP,
+    {name: f"{__name__}:{name.upper()}" for name in part_names.DETECTORS} | _ELSEWHERE,
     returns=Detecting,
     guards=_guards,
 )

@@ -20,10 +20,10 @@ from typing import Any, NamedTuple
 from pirate_sm.core import effects as fx
 from pirate_sm.core.events import SensorFrame
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.running.recording.columns import add_evenly
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.running.recording.replay import rerun
+from pirate_sm.running.recording.signal_names import add_evenly
 
 # --- two runs -------------------------------------------------------------------------------------
 

@@ -9,8 +9,8 @@ from typing import Any, Final
 from pirate_sm import __version__
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.running.recording.columns import signal_units
 from pirate_sm.running.recording.read.reader import Recording
+from pirate_sm.running.recording.signal_names import signal_units
 from pirate_sm.running.recording.tables import KNOWN, SIGNALS, TableRow, write_files
 
 try:

@@ -16,12 +16,12 @@ from pirate_sm.core.events import SensorFrame
 from pirate_sm.core.files import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.running.recording.columns import signal_names, slot_names
 from pirate_sm.running.recording.format.engine_topics import Placed
 from pirate_sm.running.recording.read.pieces import with_own_times
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.running.recording.replay import Rerun, rerun
+from pirate_sm.running.recording.signal_names import signal_names, slot_names
 
 # --- rows -----------------------------------------------------------------------------------------
 

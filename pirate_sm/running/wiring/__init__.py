@@ -12,7 +12,7 @@ from pirate_sm.core.loading import LoadedMission, holding_in, load_mission
 from pirate_sm.core.options import OPTIONS, OTHERS
 from pirate_sm.core.program import Wait
 from pirate_sm.core.registry import Registry
-from pirate_sm.robot import known
+from pirate_sm.robot import part_names
 from pirate_sm.robot.detectors.registry import (
     NOBODY,
     Asked,
@@ -46,8 +46,8 @@ __all__ = [
 
 BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
-    known.BACKEND_GROUP,
-    {name: f"pirate_sm.running.wiring.backends:{name.upper()}" for name in known.BACKENDS},
+    part_names.BACKEND_GROUP,
+    {name: f"pirate_sm.running.wiring.backends:{name.upper()}" for name in part_names.BACKENDS},
     returns=Equipment,
 )
 
@@ -136,7 +136,7 @@ def _refuse_for_others(order: Order) -> None:
     Raises:
         UsageError: One is given.
     """
-    ours = order.backend in known.BACKENDS
+    ours = order.backend in part_names.BACKENDS
     if ours and order.backend != "trace" and (order.firings or order.course):
         hint = Hint(": use --backend trace", ": use backend='trace'")
         raise UsageError("triggers can be fired in a trace only", hint=hint)

@@ -31,7 +31,7 @@ from pirate_sm.core.registry import Plugin
 from pirate_sm.core.robot import at_rest_in
 from pirate_sm.core.spelling import unknown
 from pirate_sm.core.units import DIMENSIONLESS, LENGTH
-from pirate_sm.robot import known
+from pirate_sm.robot import part_names
 from pirate_sm.robot.backends.trace import IDEAL, SCRIPTED, TraceBackend, Verdicts
 from pirate_sm.robot.detectors.registry import Places
 from pirate_sm.robot.detectors.simple_detectors import Ruler
@@ -345,7 +345,7 @@ def _course(order: Order, loaded: LoadedMission) -> Equipment:
     if order.firings:
         raise UsageError("an event sequence cannot be combined with triggers to fire")
     events = trace_script.resolve_course(order.course, loaded.robot)
-    known = [each.report for each in events if each.happening.happens == "start" and each.report]
+    names = [each.report for each in events if each.happening.happens == "start" and each.report]
     later = [each for each in events if each.happening.happens != "start"]
     verdicts = Verdicts(scripted=True)
     program = loaded.program
@@ -353,7 +353,7 @@ def _course(order: Order, loaded: LoadedMission) -> Equipment:
     # The duration of commands in a trace must not count against a time limit.
     limit_s = program.time_limit_s + longest_s(order.course, loaded.robot, program)
     return Equipment(
-        backend=TraceBackend(verdicts, known),
+        backend=TraceBackend(verdicts, names),
         loaded=replace(loaded, program=replace(program, time_limit_s=limit_s)),
         companions=(player,),
         notices=(SCRIPTED,),
@@ -392,8 +392,8 @@ def _check_firings(firings: tuple[Firing, ...], loaded: LoadedMission) -> None:
 
 # --- the plugins ----------------------------------------------------------------------------------
 
-SIM: Plugin[MakeBackend] = Plugin(known.BACKENDS["sim"], _sim)
-PHYSICS: Plugin[MakeBackend] = Plugin(known.BACKENDS["physics"], _physics)
-BAY: Plugin[MakeBackend] = Plugin(known.BACKENDS["bay"], _bay)
-SERIAL: Plugin[MakeBackend] = Plugin(known.BACKENDS["serial"], _serial)
-TRACE: Plugin[MakeBackend] = Plugin(known.BACKENDS["trace"], _trace)
+SIM: Plugin[MakeBackend] = Plugin(part_names.BACKENDS["sim"], _sim)
+PHYSICS: Plugin[MakeBackend] = Plugin(part_names.BACKENDS["physics"], _physics)
+BAY: Plugin[MakeBackend] = Plugin(part_names.BACKENDS["bay"], _bay)
+SERIAL: Plugin[MakeBackend] = Plugin(part_names.BACKENDS["serial"], _serial)
+TRACE: Plugin[MakeBackend] = Plugin(part_names.BACKENDS["trace"], _trace)

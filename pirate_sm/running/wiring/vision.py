@@ -12,7 +12,7 @@ from pirate_sm.core.files import library
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.registry import Plugin
-from pirate_sm.robot import known
+from pirate_sm.robot import part_names
 from pirate_sm.robot.camera_file import load_camera
 from pirate_sm.robot.detectors.odometry import Odometry
 from pirate_sm.robot.detectors.registry import Asked, Detecting, MakeDetector
@@ -107,4 +107,4 @@ def _opening(
     return partial(open_sightings, camera, folder, scene, asked.seed)
 
 
-DETECTOR: Plugin[MakeDetector] = Plugin(known.DETECTORS[known.BY_CAMERA], make)
+DETECTOR: Plugin[MakeDetector] = Plugin(part_names.DETECTORS[part_names.BY_CAMERA], make)

@@ -155,7 +155,7 @@ class SignalTables:
         robot: The robot.
 
     Attributes:
-        signals: The cells, see ``Layout`` in ``core/_engine/sensing/conversion.py``.
+        signals: The cells, see ``Layout`` in ``core/_engine/sensing/signal_table.py``.
     """
 
     def __init__(self, robot: RobotSpec) -> None:

@@ -26,7 +26,7 @@ from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.robot import RobotSpec, confirmed_parts
 from pirate_sm.core.simulation import InSpace
-from pirate_sm.running.recording.columns import add_evenly
+from pirate_sm.running.recording.signal_names import add_evenly
 from pirate_sm.running.recording.viewers.viewer_messages import WheelPlacing
 from pirate_sm.views.report.charts import Samples, TravelChart
 from pirate_sm.views.report.contents import (

@@ -18,7 +18,7 @@ from pirate_sm.core._engine.mission.program import Do, Program, Question, Switch
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.criteria import CriterionSpec, ReachedSpec
-from pirate_sm.core._engine.robot.done import (
+from pirate_sm.core._engine.robot.done_criteria import (
     Bound,
     arrived,
     criterion_tree,

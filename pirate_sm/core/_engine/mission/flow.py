@@ -14,7 +14,7 @@ from pirate_sm.core._engine.mission.program import STOP, Program, Question
 from pirate_sm.core._engine.moment import Moment, has_come
 from pirate_sm.core._engine.robot import commands, confirmation, robot_state
 from pirate_sm.core._engine.robot.command_outcome import doubt_grip
-from pirate_sm.core._engine.robot.done import unmet_conditions
+from pirate_sm.core._engine.robot.done_criteria import unmet_conditions
 from pirate_sm.core._engine.robot.robot_state import Finished, RobotState
 from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.safety.faults import FoundFault

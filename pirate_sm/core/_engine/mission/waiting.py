@@ -13,7 +13,7 @@ from pirate_sm.core._engine.mission.program import (
     Wait,
 )
 from pirate_sm.core._engine.moment import Moment, has_come
-from pirate_sm.core._engine.robot.done import Limit, unmet_of
+from pirate_sm.core._engine.robot.done_criteria import Limit, unmet_of
 from pirate_sm.core._engine.safety.faults import FoundFault
 from pirate_sm.core._engine.sensing.distance import BASE_M
 from pirate_sm.core._engine.sensing.known_signals import with_changes

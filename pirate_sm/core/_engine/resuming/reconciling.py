@@ -25,8 +25,8 @@ from pirate_sm.core._engine.robot.robot_state import (
     states_of,
 )
 from pirate_sm.core._engine.robot.sensor_verdict import Shown, shown_by, spec_of, verdict
-from pirate_sm.core._engine.sensing.conversion import forget_stale, observe
 from pirate_sm.core._engine.sensing.known_signals import Sensing, nothing_known
+from pirate_sm.core._engine.sensing.signal_table import forget_stale, observe
 from pirate_sm.core._engine.state import OUTSIDE, EngineState
 from pirate_sm.core._model.events import SensorFrame
 

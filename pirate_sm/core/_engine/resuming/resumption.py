@@ -25,7 +25,7 @@ from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.resuming.hypotheses import DarkWay, Hypothesis, odometry_m
 from pirate_sm.core._engine.resuming.reconciling import VerdictTable
 from pirate_sm.core._engine.robot.criteria import AnglesSpec
-from pirate_sm.core._engine.robot.done import RESTORING
+from pirate_sm.core._engine.robot.done_criteria import RESTORING
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import DECLARED, STOPPED, Mark, RobotState, states_of
 from pirate_sm.core._engine.robot.sensor_verdict import spec_of

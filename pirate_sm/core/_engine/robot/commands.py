@@ -17,7 +17,7 @@ from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot import confirmation, levelling
 from pirate_sm.core._engine.robot.command_outcome import doubt_grip, marks_after, touched
 from pirate_sm.core._engine.robot.criteria import AcceptedSpec, AlignedSpec
-from pirate_sm.core._engine.robot.done import (
+from pirate_sm.core._engine.robot.done_criteria import (
     holds,
     in_words,
     must_hold_s,

@@ -19,7 +19,7 @@ from pirate_sm.core._engine.robot.criteria import (
     StandingSpec,
     StoppedSpec,
 )
-from pirate_sm.core._engine.robot.done import holds
+from pirate_sm.core._engine.robot.done_criteria import holds
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import DECLARED, Mark, RobotState, states_of
 

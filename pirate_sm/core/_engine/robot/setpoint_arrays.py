@@ -17,7 +17,7 @@ from pirate_sm.core._engine.moment import Moment, has_come
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.command_spec import StageSpec
 from pirate_sm.core._engine.robot.criteria import CriterionSpec, ReachedSpec
-from pirate_sm.core._engine.robot.done import RESTORING, holds, posture_bounds
+from pirate_sm.core._engine.robot.done_criteria import RESTORING, holds, posture_bounds
 from pirate_sm.core._engine.robot.loops import (
     Circumstances,
     Loop,

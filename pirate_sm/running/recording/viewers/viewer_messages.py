@@ -27,8 +27,8 @@ from pirate_sm.core.robot import USUAL, RobotSpec, confirmed_parts
 from pirate_sm.core.simulation import InSpace
 from pirate_sm.robot.detectors.dead_reckoning import Reckoned, Reckoner
 from pirate_sm.robot.detectors.vision_detector import CameraView
-from pirate_sm.running.recording.columns import signal_names, slot_names
 from pirate_sm.running.recording.format.engine_topics import DIALECT, rounded
+from pirate_sm.running.recording.signal_names import signal_names, slot_names
 from pirate_sm.running.recording.viewers.foxglove_scene import scene_message
 from pirate_sm.running.recording.viewers.transforms import SpaceTransforms, Transforms
 

@@ -22,7 +22,7 @@ from pirate_sm.cli.completion import ASKING
 from pirate_sm.cli.completion.answer import answered
 from pirate_sm.core._model.campaign import LineFaults, StartJitter
 from pirate_sm.core.files import library
-from pirate_sm.robot import known as backends
+from pirate_sm.robot import part_names as backends
 from pirate_sm.running.wiring import BACKENDS
 
 from ..conftest import NEWT, ROOT

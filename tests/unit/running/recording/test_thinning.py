@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.running.recording.columns import add_evenly
+from pirate_sm.running.recording.signal_names import add_evenly
 
 
 @given(st.lists(st.floats(0.01, 10.0), min_size=1, max_size=400), st.integers(4, 40))

@@ -19,7 +19,7 @@ from pirate_sm.core._engine.robot.criteria import (
     StoppedSpec,
     TurningSpec,
 )
-from pirate_sm.core._engine.robot.done import criterion_tree, holds
+from pirate_sm.core._engine.robot.done_criteria import criterion_tree, holds
 from pirate_sm.core._engine.robot.loops import RunningPositionLoop
 from pirate_sm.core._expressions import BooleanType, Expression
 from pirate_sm.core._model.events import Abort

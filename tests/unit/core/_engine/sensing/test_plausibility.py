@@ -19,9 +19,9 @@ from pirate_sm.core._engine.sensing.board_spec import (
     WatchedSpec,
     WatchSpec,
 )
-from pirate_sm.core._engine.sensing.conversion import observe
 from pirate_sm.core._engine.sensing.known_signals import MotorRequest, nothing_known
 from pirate_sm.core._engine.sensing.plausibility import BoardMemory, Reading, sift, unseen
+from pirate_sm.core._engine.sensing.signal_table import observe
 from pirate_sm.core._expressions import NumberType, Vocabulary
 from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._model.events import SensorFrame

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from driving import NEWT, PIRATE
 
-from pirate_sm.core._engine.sensing.conversion import signal_table
 from pirate_sm.core._engine.sensing.known_signals import nothing_known
+from pirate_sm.core._engine.sensing.signal_table import signal_table
 from pirate_sm.core._loading.robot.loader import load_robot
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core._engine.sensing.conversion import observe
 from pirate_sm.core._engine.sensing.known_signals import nothing_known
+from pirate_sm.core._engine.sensing.signal_table import observe
 from pirate_sm.core._loading.problems import LoadError
 from pirate_sm.core._loading.robot import calibration_files as calibrations
 from pirate_sm.core._loading.robot.calibration_files import (

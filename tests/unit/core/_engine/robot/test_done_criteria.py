@@ -6,7 +6,7 @@ from math import nan
 
 import pytest
 
-from pirate_sm.core._engine.robot import done
+from pirate_sm.core._engine.robot import done_criteria
 from pirate_sm.core._engine.robot.command_spec import PositionSpec, TorqueSpec
 from pirate_sm.core._engine.robot.criteria import (
     AcceptedSpec,
@@ -59,7 +59,7 @@ STALLED = StalledSpec((RATE,), (LoadSpec(TORQUE, 0, 1.0, 0.25),), still=0.5, for
     ],
 )
 def test_a_joint_is_stalled_that_stands_and_bears_more_than_it_must(rate, torque, duty, met):
-    assert done.holds(STALLED, seen(rate=rate, torque=torque), (duty,), ()) == met
+    assert done_criteria.holds(STALLED, seen(rate=rate, torque=torque), (duty,), ()) == met
 
 
 @pytest.mark.parametrize(
@@ -78,7 +78,7 @@ def test_a_joint_under_a_torque_loop_bears_the_torque_of_its_loop(asked_nm, torq
 
     criterion = STALLED._replace(rates=())
 
-    assert done.holds(criterion, seen(torque=torque), (1.0,), loops) == met
+    assert done_criteria.holds(criterion, seen(torque=torque), (1.0,), loops) == met
 
 
 REACHED = ReachedSpec(still=0.5, loaded=0.5, for_s=1.5, least_nm=0.25)
@@ -103,7 +103,7 @@ def test_a_joint_that_is_pushed_and_stands_is_stopped_by_a_wall(rate, torque, du
     spec = position_loop(0.25).spec._replace(stall_torque_nm=1.0)
     loop = position_loop(0.25)._replace(spec=spec)
 
-    assert done.holds(REACHED, seen(rate=rate, torque=torque), (duty,), (loop,)) == met
+    assert done_criteria.holds(REACHED, seen(rate=rate, torque=torque), (duty,), (loop,)) == met
 
 
 def test_criteria_of_two_kinds_differ_although_they_are_equal_as_tuples():
@@ -112,18 +112,18 @@ def test_criteria_of_two_kinds_differ_although_they_are_equal_as_tuples():
     assert stopped == aligned
     numbers, setpoints = seen(speed=0.75, other=0.75), (1.0, 1.0)
 
-    assert not done.holds(stopped, numbers, setpoints, ())
-    assert done.holds(aligned, numbers, setpoints, ())
+    assert not done_criteria.holds(stopped, numbers, setpoints, ())
+    assert done_criteria.holds(aligned, numbers, setpoints, ())
 
 
 def test_every_position_loop_must_have_come_to_its_angle():
     here, there = position_loop(0.125), position_loop(0.25)
     still = seen(rate=9.0)
 
-    assert done.holds(REACHED, still, (0.0,), (here, torque_loop(1.0)))
-    assert not done.holds(REACHED, still, (0.0,), (here, there))
-    assert done.must_hold_s(REACHED, still, (here,)) == 0.0
-    assert done.must_hold_s(REACHED, still, (here, there)) == 1.5
+    assert done_criteria.holds(REACHED, still, (0.0,), (here, torque_loop(1.0)))
+    assert not done_criteria.holds(REACHED, still, (0.0,), (here, there))
+    assert done_criteria.must_hold_s(REACHED, still, (here,)) == 0.0
+    assert done_criteria.must_hold_s(REACHED, still, (here, there)) == 1.5
 
 
 @pytest.mark.parametrize(
@@ -140,7 +140,7 @@ def test_every_position_loop_must_have_come_to_its_angle():
 def test_a_wheel_turns_the_way_it_is_driven(speed, setpoint, met):
     criterion = TurningSpec(((1, OTHER), (0, SPEED)), above=0.5)
 
-    assert done.holds(criterion, seen(speed=speed), (setpoint, 0.0), ()) == met
+    assert done_criteria.holds(criterion, seen(speed=speed), (setpoint, 0.0), ()) == met
 
 
 @pytest.mark.parametrize(
@@ -156,9 +156,9 @@ def test_a_wheel_turns_the_way_it_is_driven(speed, setpoint, met):
 def test_wheels_stand_if_one_is_heard_and_none_turns(speed, other, met):
     numbers = seen(speed=speed, other=other)
 
-    assert done.holds(StoppedSpec(((SPEED, OTHER),), 0.5, 1.5), numbers, (), ()) == met
+    assert done_criteria.holds(StoppedSpec(((SPEED, OTHER),), 0.5, 1.5), numbers, (), ()) == met
     two_parts = StoppedSpec(((SPEED, OTHER), (RATE,)), 0.5, 1.5)
-    assert not done.holds(two_parts, seen(rate=nan), (), ())
+    assert not done_criteria.holds(two_parts, seen(rate=nan), (), ())
 
 
 @pytest.mark.parametrize(
@@ -167,17 +167,17 @@ def test_wheels_stand_if_one_is_heard_and_none_turns(speed, other, met):
 def test_an_angle_is_at_its_setpoint(angle, met):
     criterion = AlignedSpec(((0, ANGLE),), within=0.5)
 
-    assert done.holds(criterion, seen(angle=angle), (1.0,), ()) == met
+    assert done_criteria.holds(criterion, seen(angle=angle), (1.0,), ()) == met
 
 
 @pytest.mark.parametrize(
     ("value", "met"), [(0.49, True), (0.5, False), (-0.5, False), (nan, False)]
 )
 def test_a_signal_is_near_zero(value, met):
-    assert done.holds(BelowSpec((OTHER,), 0.5, 1.5), seen(other=value), (), ()) == met
+    assert done_criteria.holds(BelowSpec((OTHER,), 0.5, 1.5), seen(other=value), (), ()) == met
 
 
 def test_some_criteria_must_hold_for_a_time():
-    assert done.must_hold_s(STALLED, seen(), ()) == 1.5
-    assert done.must_hold_s(AcceptedSpec(), seen(), ()) == 0.0
-    assert done.holds(AcceptedSpec(), (), (), ())
+    assert done_criteria.must_hold_s(STALLED, seen(), ()) == 1.5
+    assert done_criteria.must_hold_s(AcceptedSpec(), seen(), ()) == 0.0
+    assert done_criteria.holds(AcceptedSpec(), (), (), ())

@@ -14,7 +14,7 @@ from pirate_sm.cli import settings
 from pirate_sm.cli.entry import COMMANDS, _found
 from pirate_sm.cli.options.declaring import parameters_of
 from pirate_sm.cli.scene_steps import simulating, why_refused
-from pirate_sm.core._loading import foreign
+from pirate_sm.core._loading import permissions
 from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core._loading.problems import LoadError
 from pirate_sm.core._model.campaign import SimulatedBackend
@@ -33,13 +33,13 @@ def _parameters(command: str) -> list[Parameter]:
 
 
 def test_the_list_names_commands_and_options_that_there_are() -> None:
-    for command, allowed in foreign.SCENES.items():
+    for command, allowed in permissions.SCENES.items():
         assert allowed <= {each.name for each in _parameters(command)}
-    for command, written in foreign.WRITES.items():
-        assert set(written) <= foreign.SCENES[command]
+    for command, written in permissions.WRITES.items():
+        assert set(written) <= permissions.SCENES[command]
 
 
-@pytest.mark.parametrize("command", foreign.SCENES)
+@pytest.mark.parametrize("command", permissions.SCENES)
 def test_every_option_of_a_scene_that_can_write_is_kept_below_its_folder(
     command: str, tmp_path: Path
 ) -> None:
@@ -47,8 +47,8 @@ def test_every_option_of_a_scene_that_can_write_is_kept_below_its_folder(
     for each in _parameters(command):
         kind = str(get_args(each.annotation)[1].metavar)
         names_a_file = "FILE" in kind or "DIR" in kind or "OUT" in kind
-        if each.name in foreign.SCENES[command] and names_a_file and each.name not in reads:
-            assert each.name in foreign.WRITES[command]
+        if each.name in permissions.SCENES[command] and names_a_file and each.name not in reads:
+            assert each.name in permissions.WRITES[command]
 
 
 @pytest.mark.parametrize(
@@ -168,11 +168,11 @@ def test_a_recording_cannot_open_a_socket(on_a_robot: Callable[..., EndOfRun]) -
     ],
 )
 def test_a_port_is_a_serial_line_of_this_computer(port: str, allowed: bool) -> None:
-    assert foreign.is_device(port) == allowed
+    assert permissions.is_device(port) == allowed
 
 
 def test_a_campaign_only_simulates(tmp_path: Path) -> None:
-    assert set(get_args(SimulatedBackend)) <= set(foreign.SIMULATED)
+    assert set(get_args(SimulatedBackend)) <= set(permissions.SIMULATED)
     path = tmp_path / "trial.yaml"
     path.write_text(
         "format: 1\ncampaign: trial\nmissions: [mitre_bend]\nseeds: 2\n"
