@@ -52,11 +52,10 @@ ALPHABETS = {
     ),
     "instruction": Alphabet(
         "core/_engine/mission/program.py",
-        "| Finish",
+        "Say | Raise | Finish",
         "NewInstruction(NamedTuple)",
         (
             "checking/mission_behaviour.py",
-            "core/_engine/mission/program.py",
             "core/_engine/mission/interpreter.py",
             "core/_engine/mission/program.py",
         ),
@@ -81,6 +80,7 @@ ALPHABETS = {
             "views/drawing/words.py",
             "views/interchange/scxml.py",
             "core/_loading/mission/program_writer.py",
+            "core/_loading/mission/scope.py",
         ),
     ),
     "criterion": Alphabet(
@@ -122,7 +122,6 @@ ALPHABETS = {
         "NewLoop",
         (
             "core/_engine/robot/loops.py",
-            "core/_engine/robot/setpoint_arrays.py",
             "core/_engine/robot/setpoint_arrays.py",
         ),
     ),

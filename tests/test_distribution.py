@@ -98,6 +98,13 @@ def test_what_needs_a_missing_extra_names_what_installs_it(
         assert "Traceback" not in done.stderr
 
 
+def test_a_recording_is_viewed_in_the_console_without_the_link_to_a_robot() -> None:
+    hidden = "import sys; sys.modules['rosbags'] = sys.modules['serial'] = None; "
+    code = hidden + "import pirate_sm.views.console.recording_viewer"
+
+    assert subprocess.run([sys.executable, "-c", code], check=False, cwd=ROOT).returncode == 0
+
+
 def test_texts_name_extras_that_exist() -> None:
     texts = [
         *ROOT.glob("*.md"),

@@ -65,7 +65,7 @@ def stand(
 
 
 class Standing(Protocol):
-    """How a robot stood when a recording was cut off; see :class:`.run_order.PutBack`."""
+    """How a robot stood when a recording was cut off; see :class:`.prepared.PutBack`."""
 
     @property
     def places_m(self) -> tuple[Vector, ...]:

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from pirate_sm.core.campaign import LineFaults
-from pirate_sm.robot.diagnosis.listening import CHECKED_EVERY_S
+from pirate_sm.robot.diagnosis.judgement import CHECKED_EVERY_S
 from pirate_sm.running.wiring import Order, Prepared
-from pirate_sm.views.console.dialogs import Checklist
+from pirate_sm.views.console.checklist import Checklist
 
 from .driving import Operator, by_hand, operator, played
 from .test_looks import text_of

@@ -1,7 +1,7 @@
 """The base class of all models: they are frozen, and unknown keys are errors.
 
 The "Attributes" of a class's docstring are also the descriptions of its keys in editors, because
-:mod:`pirate_sm.checking.schemas` copies them into the JSON Schemas.
+:mod:`pirate_sm.checking.model_schema` copies them into the JSON Schemas.
 """
 
 from __future__ import annotations

@@ -17,22 +17,23 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from collections.abc import Sequence
 from dataclasses import replace
-from math import inf, isnan, nan, pi, radians, remainder
+from math import inf, isnan, nan, radians
 from operator import itemgetter
 from statistics import median
 
-from pirate_sm.core.effects import CommandStatus, Effect, Log, StateChange
+from pirate_sm.core.effects import CommandStatus, Effect, Log, Setpoints, StateChange
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.events import BuiltInFault, EnvironmentReport, Event, FaultReport
-from pirate_sm.core.geometry import Route, RouteJoint, drawn_walls
+from pirate_sm.core.events import BuiltInFault, Event, FaultReport
+from pirate_sm.core.geometry import drawn_walls
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.robot import RobotSpec, confirmed_parts
 from pirate_sm.core.sensing import WHOLE
 from pirate_sm.core.simulation import Truth
 from pirate_sm.robot.detectors.dead_reckoning import Felt, Reckoned, Reckoner, Shape
-from pirate_sm.robot.detectors.word_timing import LOOK_EVERY_S, REPEAT_SHARE, WordDetector, words_of
+from pirate_sm.robot.detectors.route_report import RouteReport
+from pirate_sm.robot.detectors.word_timing import LOOK_EVERY_S, WordDetector, words_of
 
 
 class Rolling:
@@ -177,75 +178,6 @@ class Odometer:
         return tuple(place for place in driven if place in holding) or tuple(driven)
 
 
-# --- the way ahead --------------------------------------------------------------------------------
-
-_EVERY_M = 0.1
-"""The place is reported again after this distance, about a link [decided]."""
-
-_BEHIND_M = 1e-6
-
-
-class RouteReport:
-    """Reports where the robot is on a route, and what comes next.
-
-    Args:
-        route: The route.
-        valid_for_s: How long a report is valid; it is repeated before.
-    """
-
-    def __init__(self, route: Route, valid_for_s: float) -> None:
-        self._route = route
-        self._valid_for_s = valid_for_s
-        self._said: tuple[float, RouteJoint | None, EnvironmentReport] | None = None
-
-    def look(
-        self, now_s: float, places_m: Sequence[float], front_roll_rad: float
-    ) -> EnvironmentReport | None:
-        """Return a report if the place has changed or the last report must be repeated.
-
-        Args:
-            now_s: The time.
-            places_m: Position of each wheel along the route; NaN is unknown.
-            front_roll_rad: Roll of the front part against the frame of the pipe; NaN is unknown.
-        """
-        if any(map(isnan, places_m)):
-            self._said = None
-            return None
-        joints, first_m, last_m = self._route.joints, max(places_m), min(places_m)
-        joint = next((each for each in joints if each.arc_m + each.behind_m > last_m), None)
-        found = self._report(joint, first_m, front_roll_rad)
-        if self._said is not None and now_s - self._said[0] < REPEAT_SHARE * self._valid_for_s:
-            _, known, before = self._said
-            same = (joint, found.run) == (known, before.run)
-            if same and abs(found.arc_m - before.arc_m) < _EVERY_M:
-                return None
-        self._said = now_s, joint, found
-        return found
-
-    def _report(
-        self, joint: RouteJoint | None, first_m: float, front_roll_rad: float
-    ) -> EnvironmentReport:
-        route = self._route
-        at_m = route.length_m if joint is None else joint.arc_m
-        report = EnvironmentReport(
-            *("", nan, nan, nan, self._valid_for_s),
-            joint="end",
-            distance_m=at_m - first_m,
-            run=route.piece_at(first_m).run,
-            arc_m=first_m,
-        )
-        if joint is None:
-            return report
-        behind_m = joint.arc_m + joint.behind_m + _BEHIND_M
-        return report._replace(
-            joint=joint.kind,
-            junction=joint.junction,
-            # The frame is carried to the joint without twist.
-            opening_roll_rad=remainder(joint.towards_rad - front_roll_rad, 2 * pi),
-            diameter_ahead_m=route.diameter_at(behind_m),
-        )
-
-
 # --- the detector ---------------------------------------------------------------------------------
 
 _SHAPES = 4
@@ -298,7 +230,7 @@ class Odometry:
         self._pipe_roll_rad = pipe.roll
         self.due_s, self._wait_s = 0.0, LOOK_EVERY_S
         self.reckoned: Reckoned | None = None
-        self._warned, self._placed_s = False, nan
+        self._warned, self._placed_s, self._travel = False, nan, 0
         self._take(robot)
         words = words_of(profile)
         errors = (0.0,) * len(words)
@@ -321,9 +253,15 @@ class Odometry:
         self._odometer = Odometer(robot)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Look soon when a command begins or ends, or a state is confirmed."""
-        if any(isinstance(effect, CommandStatus | StateChange) for effect in effects):
+        """Look soon when a command begins or ends, a state is confirmed, or wheels are driven."""
+        if any(map(self._tells, effects)):
             self.due_s = min(self.due_s, now_s + LOOK_EVERY_S)
+
+    def _tells(self, effect: Effect) -> bool:
+        """Return whether an effect shows that the robot may move in another way."""
+        if isinstance(effect, Setpoints):
+            return self._robot.travel(effect.values) != self._travel
+        return isinstance(effect, CommandStatus | StateChange)
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Update the estimated position; return a warning if it is unknown."""
@@ -340,7 +278,7 @@ class Odometry:
         else:
             self.reckoned = self._reckoner.begin(self.first_wheel_m, numbers, held, self._roll_rad)
             self._warned, self._placed_s = False, now_s
-        travel = robot.travel(state.robot.values)
+        self._travel = travel = robot.travel(state.robot.values)
         places_m = self.reckoned.places_m
         self._sweep(numbers, in_bend=state.surveyed.in_bend)
         if held != robot.held[state.robot.configuration]:  # nobody knows where the others are
@@ -365,7 +303,11 @@ class Odometry:
         assert self.reckoned is not None, "the caller has just reckoned"
         begins = state.robot.flight is not None or self._robot.travel(state.robot.latest) != travel
         unsure = self._detector.due in barred or any(map(isnan, self.reckoned.places_m))
-        return LOOK_EVERY_S if begins or unsure else self._detector.wait_s()
+        if begins or unsure:
+            return LOOK_EVERY_S
+        top_m_s = max(wheel.top_m_s for wheel in self._robot.wheels)
+        rest_s = self._ahead.wait_s(self.reckoned.places_m, top_m_s) if travel else inf
+        return max(LOOK_EVERY_S, min(rest_s, self._detector.wait_s(top_m_s)))
 
     def _clear(self, numbers: Sequence[float]) -> bool:
         """Return whether the robot has rolled on for as long as a word asks since it was bent.

@@ -1,4 +1,4 @@
-"""Detectors that reckon nothing: the simulator's own, the operator, signals; and a ruler."""
+"""Detectors without dead reckoning: the simulator's own, the operator, signals; and a ruler."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import inf, isnan, nan
 
@@ -136,7 +136,7 @@ REPEAT_SHARE = 0.5
 LOOK_EVERY_S = 0.05
 """At 0.1 m/s a robot travels 5 mm in this time."""
 
-SELDOM_S = 0.2
+SELDOM_S = 0.15
 """Where no word can begin or end before, looks are this far apart: a position is the median over
 ``WINDOW_S``, which still has three of them [decided]."""
 
@@ -303,29 +303,26 @@ class WordDetector:
             *said,
         )
 
-    def wait_s(self) -> float:
-        """Return after what time to look again, so that no word is told later for it.
+    def wait_s(self, top_m_s: float) -> float:
+        """Return after what time to look again, so that no word is late for it.
 
-        Half of the way to the nearest point where a word begins or ends may be travelled at the
-        present speed. Wheels that are not driven bring about no word.
+        Until then no driven wheel can reach a point where a word begins or ends. Where wheels are
+        not driven, a robot that slides or is pushed past one is reported 0.1 s later.
+
+        Args:
+            top_m_s: The most that a wheel may move along the pipe in a second.
         """
-        if not self._tracker.driven:
-            return SELDOM_S
-        speed = abs(self._tracker.speed())
-        if math.isnan(speed):
-            return LOOK_EVERY_S
-        half_m = (self._clear_m() - _SLACK_M) / 2
-        return min(SELDOM_S, max(LOOK_EVERY_S, half_m / speed if speed else math.inf))
+        seldom_s = min(SELDOM_S, REPEAT_SHARE * self._repeater.valid_for_s)
+        if self._tracker.driven:
+            near_m = min(map(abs, self._to_points_m()), default=math.inf) - _SLACK_M
+            seldom_s = min(seldom_s, near_m / top_m_s)
+        return max(LOOK_EVERY_S, seldom_s)
 
-    def _clear_m(self) -> float:
-        """Return how far the wheels must travel until a word begins or ends, m."""
-        clear_m = math.inf
+    def _to_points_m(self) -> Iterator[float]:
+        """Yield how far wheels are beyond each point where a word begins or ends, m."""
         for ways_m in self._ways_m:
             for passed_m in ways_m:
-                point_m = 0.0 if passed_m < 0.0 else _FORGOTTEN_M
-                if passed_m < point_m:
-                    clear_m = min(clear_m, point_m - passed_m)
-        return clear_m
+                yield from (passed_m, passed_m - _FORGOTTEN_M)
 
     def _points(self, direction: int) -> tuple[tuple[int, float], ...]:
         points = [(word.forward if direction > 0 else word.backward, e) for word, e in self._words]

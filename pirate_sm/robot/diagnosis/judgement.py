@@ -190,6 +190,10 @@ CHECKS: Mapping[str, tuple[str, Check]] = {
 }
 """What can be checked while nothing moves: what is right, and what returns what is wrong."""
 
+CHECKED_EVERY_S = 3.0
+"""How often a link that a run has open is checked: long enough for each board to report more often
+than a live sensor repeats a value."""
+
 
 # --- moving -------------------------------------------------------------------------------------
 

@@ -16,7 +16,7 @@ from pirate_sm.robot.backends.serial.link.exchange import Exchange
 from pirate_sm.robot.backends.serial.link.link_plan import STATE
 from pirate_sm.robot.backends.serial.port import Port
 from pirate_sm.robot.diagnosis.facts import ExpectedRobot, Facts, LinkFact, Records, TopicFact
-from pirate_sm.robot.diagnosis.judgement import judged
+from pirate_sm.robot.diagnosis.judgement import CHECKED_EVERY_S, judged
 from pirate_sm.robot.rosserial import frames
 from pirate_sm.robot.rosserial.frames import Decoder, encode
 from pirate_sm.robot.rosserial.message_types import Malformed
@@ -282,10 +282,6 @@ class Listening:
             words=tuple((line.level, line.text) for line in conversation.words),
             refused=tuple(self.exchange.refused),
         )
-
-
-CHECKED_EVERY_S = 3.0
-"""Long enough for each board to report more often than a live sensor repeats a value."""
 
 
 class OpenLink(Listening):

@@ -1,4 +1,4 @@
-"""What happens by a script where nobody decides: triggers, whole event sequences, first choices."""
+"""What happens by a script: triggers, whole event sequences, first choices."""
 
 from __future__ import annotations
 

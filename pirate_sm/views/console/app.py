@@ -30,7 +30,8 @@ from pirate_sm.views.console.availability import (
     ways,
 )
 from pirate_sm.views.console.check_process import CheckCall, ask_here
-from pirate_sm.views.console.dialogs import Checklist, Dialog, Help, ObservationDialog, help_lines
+from pirate_sm.views.console.checklist import Checklist
+from pirate_sm.views.console.dialogs import Dialog, Help, ObservationDialog, help_lines
 from pirate_sm.views.console.driving import is_still
 from pirate_sm.views.console.operator_actions import PanelActions
 from pirate_sm.views.console.session import OperatorSession

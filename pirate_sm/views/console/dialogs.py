@@ -1,4 +1,4 @@
-"""Dialogs over the console, among them its help and its checklist. The stop key works in all.
+"""Dialogs over the console, among them its help. The stop key works in all.
 
 A key that was pressed before a dialog could be read was meant for something else and is ignored.
 """
@@ -6,7 +6,6 @@ A key that was pressed before a dialog could be read was meant for something els
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
 from math import inf, nan
 from textwrap import wrap
 from time import monotonic
@@ -22,8 +21,6 @@ from textual.widgets.option_list import Option
 
 from pirate_sm.core.events import Observation
 from pirate_sm.core.units import LENGTH, QuantityError, read_quantity
-from pirate_sm.robot.diagnosis.judgement import CHECKS
-from pirate_sm.robot.diagnosis.listening import CHECKED_EVERY_S, OpenLink
 from pirate_sm.running.runtime.ending import StopRequests
 from pirate_sm.views.console.availability import (
     LEAVE,
@@ -37,7 +34,7 @@ from pirate_sm.views.console.availability import (
 from pirate_sm.views.console.terminal_driver import STOP_KEY
 from pirate_sm.views.console.widgets import content_line
 from pirate_sm.views.showing.snapshot import Snapshot
-from pirate_sm.views.showing.text_styles import BAD, GOOD, MUTED, STRONG, WARN
+from pirate_sm.views.showing.text_styles import MUTED, STRONG
 
 # --- dialogs ------------------------------------------------------------------------------------
 
@@ -391,38 +388,3 @@ def row(key: str, text: str, style: str = STRONG) -> Content:
     first, *more = wrap(text, _WIDE) or [""]
     head = content_line((f"{key:>{_KEYS}}  ", style), first)
     return Content("\n").join([head, *(content_line(" " * (_KEYS + 2) + each) for each in more)])
-
-
-# --- the checklist ------------------------------------------------------------------------------
-
-
-_NOT_TRIED = "not tried, since that moves the robot: drive by hand (↑ ↓) and look at Motors"
-_SIGN_OF = {"no-go": ("✕", BAD), "suspicious": ("!", WARN)}
-
-
-class Checklist(Help):
-    """Shows the checks of an open link, which are repeated until it is closed."""
-
-    heading = "Pre-flight: nothing moves, nothing is sent"
-
-    def __init__(self, link: OpenLink) -> None:
-        self._link = link.__enter__()
-        super().__init__(partial(_lines, link))
-
-    def on_unmount(self) -> None:
-        """Check no longer."""
-        self._link.__exit__()
-
-
-def _lines(link: OpenLink) -> list[Content]:
-    lines = []
-    for name, (right, check) in CHECKS.items():
-        wrong = list(check(link.found, link.subject)) if link.found else []
-        for level, message in wrong:
-            sign, style = _SIGN_OF[level]
-            lines.append(row(f"{sign} {name}", message, style))
-        if not link.found:
-            lines.append(row(f"… {name}", f"listening for {CHECKED_EVERY_S:g} s", MUTED))
-        elif not wrong:
-            lines.append(row(f"✓ {name}", right, GOOD))
-    return [*lines, row("· motors", _NOT_TRIED, MUTED)]

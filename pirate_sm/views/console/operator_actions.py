@@ -33,8 +33,9 @@ from pirate_sm.robot.control_panel.presses import TWICE_WITHIN_S, Press, action_
 from pirate_sm.running.runtime.ending import BY_SIGNAL
 from pirate_sm.views.console import availability
 from pirate_sm.views.console.availability import CONTROLS, ways
+from pirate_sm.views.console.checklist import Checklist
 from pirate_sm.views.console.confirmed_actions import AlarmActions
-from pirate_sm.views.console.dialogs import Checklist, Confirm, ObservationDialog
+from pirate_sm.views.console.dialogs import Confirm, ObservationDialog
 from pirate_sm.views.console.driving import (
     FIRST_REPEAT_S,
     NEXT_REPEAT_S,

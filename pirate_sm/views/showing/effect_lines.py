@@ -1,4 +1,4 @@
-"""Lines for a person: effects, and in what state a run has left the robot."""
+"""Lines to read: effects, and in what state a run has left the robot."""
 
 from __future__ import annotations
 

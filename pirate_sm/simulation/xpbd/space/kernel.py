@@ -262,7 +262,7 @@ def advance(
     Equal inputs give equal results to the bit. SI units.
 
     Args:
-        state: See `space_state.SpaceState`; changed.
+        state: See `space_world.SpaceState`; changed.
         command: Duty of the joint at each wheel, then of each wheel.
         body: `(wheels, BODY_COLUMNS)`.
         solids: `(solids, SOLID_COLUMNS)`.

@@ -22,7 +22,7 @@ from pirate_sm.core._loading.problems import LoadError, Problems
 from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._loading.yaml.document import parse_document, read_document
 
-ROOT = Path(__file__).resolve().parents[5]
+ROOT = Path(__file__).resolve().parents[4]
 PIRATE = ROOT / "hardware_profiles" / "pirate_ii"
 NEWT = ROOT / "tests" / "robots" / "newt"
 HELD = "{event: HoldTail, target: Grip.BothHeld, cond: \"In('Crawl.Resting')\"}"
