@@ -40,6 +40,7 @@ from benchmarks.witness import (
     NO_DEAD_MAN,
     SAMPLE_EVERY_S,
     Sample,
+    acts_now,
     driven_now,
     samples_of,
 )
@@ -177,6 +178,8 @@ def run(case: Case) -> Case:
             time.sleep(extra_s)
         if case.kind.startswith(("guardian", "cable", "runner, guardian")):
             _await(lambda: runner.poll() is not None or bool(guardians(port)), case, "none began")
+        if case.kind.startswith("runner: stopped"):  # before, there is nothing to guard
+            _await(lambda: runner.poll() is not None or acts_now(port.link), case, "it never acted")
         acted_s = time.monotonic()
         case.at_s = acted_s - began_s
         if runner.poll() is not None:

@@ -51,10 +51,21 @@ def samples_of(link: Path) -> Iterator[Sample]:
 
 def driven_now(link: Path) -> bool:
     """Whether wheels are driven at the bay at this link."""
+    return any(_last(link, "wheels"))
+
+
+def acts_now(link: Path) -> bool:
+    """Whether any motor has a duty at the bay at this link."""
+    return any((*_last(link, "wheels"), *_last(link, "joints")))
+
+
+def _last(link: Path, field: str) -> list[float]:
+    """Return this field of the last sample; empty before the first."""
     with _truth(link).open("rb") as file:
         file.seek(max(0, file.seek(0, os.SEEK_END) - _LAST_BYTES))
         line = file.read().splitlines()[-2:-1]  # the last one may not be whole
-    return bool(line) and any(json.loads(line[0])[Sample._fields.index("wheels")])
+    found: list[float] = json.loads(line[0])[Sample._fields.index(field)] if line else []
+    return found
 
 
 def main() -> int:
