@@ -1,6 +1,6 @@
 """A run that is over, or a part of one: how it ended, its tables and its report.
 
-What happens is noted while it goes on, in memory and, if wanted, in a recording.
+Its events are kept in memory during the run and, if asked for, in a recording.
 """
 
 from __future__ import annotations

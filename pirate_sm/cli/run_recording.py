@@ -1,4 +1,4 @@
-"""Records a run while it goes on, at its default path, and reports problems with the recording."""
+"""Records a run at its default path, and reports problems with the recording."""
 
 from __future__ import annotations
 

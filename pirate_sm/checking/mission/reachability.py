@@ -1,4 +1,4 @@
-"""Rules about reachability: phases, ends, steps and decisions that never or always come."""
+"""Rules about reachability: phases, ends, steps and decisions that are never or always reached."""
 
 from __future__ import annotations
 

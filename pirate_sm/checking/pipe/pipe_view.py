@@ -1,4 +1,4 @@
-"""A mission in its pipe as seen by the rules: pieces, places in files, how it comes on."""
+"""A mission in its pipe as seen by the rules: pieces, places in files, its progress."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pirate_sm.cli.commands.replay import DIFFERENT, SAME, opened_recording, print_visible, title
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.options.files import CompareOptions
+from pirate_sm.cli.options.recordings import CompareOptions
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.expressions import Vocabulary
 from pirate_sm.core.on_disk import is_folder, is_there, why_hidden

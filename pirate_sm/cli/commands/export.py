@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import TypeAlias
 
 from pirate_sm.cli.commands.replay import opened_recording, print_visible
-from pirate_sm.cli.options.files import ExportOptions
+from pirate_sm.cli.options.recordings import ExportOptions
 from pirate_sm.cli.output.files import first_line, refuse_losses, write_file
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.files import shown

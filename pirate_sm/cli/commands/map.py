@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pirate_sm.cli.commands.replay import opened_recording
 from pirate_sm.cli.options.declaring import read_length
-from pirate_sm.cli.options.files import MapOptions
+from pirate_sm.cli.options.recordings import MapOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.lab.mapping.mapper import mapped
 from pirate_sm.lab.mapping.pipe_text import pipe_text

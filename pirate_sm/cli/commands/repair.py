@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from pirate_sm.cli.options.files import RepairOptions
+from pirate_sm.cli.options.recordings import RepairOptions
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.errors import RecordingError, UsageError
 from pirate_sm.core.files import shown

@@ -10,7 +10,7 @@ from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pirate_sm.cli.options.files import ReplayOptions
+from pirate_sm.cli.options.recordings import ReplayOptions
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.effects import Effect, with_reason
 from pirate_sm.core.errors import RecordingError, UsageError

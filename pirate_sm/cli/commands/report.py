@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from pirate_sm import __version__
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.options.files import ReportOptions
+from pirate_sm.cli.options.recordings import ReportOptions
 from pirate_sm.cli.output.files import HEAD, begins, is_recording, write_file
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.errors import RecordingError, UsageError

@@ -1,6 +1,6 @@
-"""`--resume`, and robots that are not where their mission begins: looks, asks, and goes on.
+"""`--resume`, and robots that are not where their mission begins: compare, ask, continue.
 
-It goes on if that is safe and agreed.
+A run continues only if that is safe and the operator agrees.
 """
 
 from __future__ import annotations

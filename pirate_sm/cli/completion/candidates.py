@@ -2,8 +2,8 @@
 
 Options name these functions. Each takes what is on the command line before the cursor and the
 beginning of the word, and yields values with a line about each. They read files and names of entry
-points, and neither run nor import what is in them. What cannot be read yields nothing: whoever
-asks catches all errors (see ``answer.py``).
+points, and neither run nor import what is in them. What cannot be read yields nothing: the caller
+catches all errors (see ``answer.py``).
 """
 
 from __future__ import annotations

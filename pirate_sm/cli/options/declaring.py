@@ -160,10 +160,7 @@ def read_duration(option: str, text: str | None) -> float | None:
     Raises:
         UsageError: It is not a duration above zero.
     """
-    duration_s = _read(option, text, TIME)
-    if duration_s is not None and duration_s <= 0.0:
-        raise UsageError(f"{option} {text}: expected a duration above zero, such as '10 min'")
-    return duration_s
+    return _above_zero(option, text, TIME, "a duration", "10 min")
 
 
 def read_board(inside: str, square: str) -> tuple[tuple[int, int], float]:
@@ -185,12 +182,18 @@ def read_slip_speed(option: str, text: str | None) -> float | None:
     """Return the speed that an option gives, m/s.
 
     Raises:
-        UsageError: It is not a number above zero.
+        UsageError: It is not a speed above zero.
     """
-    speed_m_s = _read(option, text, SPEED)
-    if speed_m_s is not None and speed_m_s <= 0.0:
-        raise UsageError(f"{option} {text}: expected a speed above zero, such as '1 mm/s'")
-    return speed_m_s
+    return _above_zero(option, text, SPEED, "a speed", "1 mm/s")
+
+
+def _above_zero(
+    option: str, text: str | None, dimension: Dimension, what: str, example: str
+) -> float | None:
+    value = _read(option, text, dimension)
+    if value is not None and value <= 0.0:
+        raise UsageError(f"{option} {text}: expected {what} above zero, such as '{example}'")
+    return value
 
 
 def _read(option: str, text: str | None, dimension: Dimension) -> float | None:

@@ -2,8 +2,8 @@
 
 A wall is a strip of rings, each with as many points as the next; it lies between neighbouring
 rings, and between neighbouring points of each, the last one beside the first. Pieces end at the
-ellipse of a mitre; at a tee the branch ends at the mouth, and a collar with the mouth cut out is in
-place of the run. Views are from above, from the side, and unrolled along the way.
+ellipse of a mitre; at a tee the branch ends at the mouth, and a collar with the mouth cut out
+replaces the run. Views are from above, from the side, and unrolled along the way.
 """
 
 from __future__ import annotations

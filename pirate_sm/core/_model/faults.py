@@ -1,4 +1,4 @@
-"""Faults of all robots, and what a failed command has waited for in vain.
+"""Faults of all robots, and the conditions that a failed command has waited for.
 
 The list of built-in faults has their codes, origins and meanings, and whether missions may handle
 them; there is no other list. A robot's own faults are rules in its profile, see

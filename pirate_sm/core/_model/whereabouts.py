@@ -1,7 +1,7 @@
 """Where a robot is: as a camera saw it, and as its simulator knows it.
 
-A trail says where it was at each of many steps of a run that were taken at once. A detector by
-positions tells what it knows, so that others can look while it has nothing to say.
+A trail says where it was at each of many steps that a run has made together. A detector by
+positions shares what it knows, so that others can look while it has nothing to say.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Find what the names in a campaign mean, and report every name that means nothing.
+"""Find what the names in a campaign stand for, and report every unknown one.
 
 A mission of a campaign has its own choices, else the campaign's.
 """

@@ -1,4 +1,4 @@
-"""Finds the experiments of a robot, files in the folder ``experiments`` beside its profile.
+"""Finds the experiments of a robot, files in the folder ``experiments`` next to its profile.
 
 What is wrong with one is found before it is run.
 """

@@ -1,4 +1,4 @@
-"""What the files of experiments say, the thesis's values beside ours, and what repeating gives."""
+"""The files of experiments, the thesis's values next to ours, and what repeating gives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A scene that was played: what came of it beside what its file says, and its page."""
+"""A scene that was played: its result, what its file expects, and its page."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Take over a robot that is not where its mission begins, in the states that its sensors show.
 
-Before that, and before a mission goes on, every board is read for a while; only a stop is written.
+Before that, and before a mission continues, every board is read for a while; only a stop is
+written.
 """
 
 from __future__ import annotations

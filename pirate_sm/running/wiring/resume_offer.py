@@ -1,4 +1,4 @@
-"""Decide from a recording that was cut off, and a look at the robot, whether a run can go on.
+"""Decide from an incomplete recording and the robot's sensors whether a run can continue.
 
 What was known at the end is found by a replay of what follows the last checkpoint. Its effects must
 be those recorded.

@@ -1,7 +1,7 @@
 """The compiled part of the kinematic simulator: extended position-based dynamics in a plane.
 
 Python calls :func:`advance` and, for many cycles, :func:`glide` and :func:`pass_cycles`; their
-machine code is built with the package (`simulation/machine_code`). The modules beside this one
+machine code is built with the package (`simulation/machine_code`). The other modules of this folder
 hold functions that they call, and `columns.py` the names of the columns of their arrays.
 
 A substep is: motors, predict, iterate (joints, contacts, corners, links), velocity from

@@ -1,6 +1,6 @@
 """Charts and missions as SCXML 1.0, for editors, code generators and interpreters of statecharts.
 
-What SCXML has no word for stands in attributes and elements of a namespace of our own, as missions
+What SCXML cannot express is kept in attributes and elements of a namespace of our own, as missions
 write it; other programs ignore it.
 
 expat reads XML, since it alone knows the places. What makes XML dangerous needs a DOCTYPE, so that

@@ -1,4 +1,4 @@
-"""Reads a chart from SCXML, reports what a chart of ours cannot be, and writes it as a chart file.
+"""Reads a chart from SCXML, reports what our charts cannot express, and writes it as a chart file.
 
 The elements become the data of a chart file, each value with its place in the SCXML. So the checks
 of chart files find the other faults, at their line and column.

@@ -1,4 +1,4 @@
-"""The robot in its pipe, to scale, in braille dots; every meaning has a shape beside its colour.
+"""The robot in its pipe, to scale, in braille dots; every meaning has a shape as well as a colour.
 
 It is placed by known places of its wheels, else by its joints, else straight. Walls are lines,
 their contact with a wheel is a thick piece; a wheel that touches is a full disc with its number,

@@ -1,4 +1,4 @@
-"""Frames that change nothing but signals: what must stay true meanwhile, what is so after them."""
+"""Frames that change only signals: what must stay true meanwhile, and the state after them."""
 
 from __future__ import annotations
 

@@ -2,6 +2,6 @@
 
 Everything here is pure. :func:`.hypotheses.hypotheses` lists where the robot may be,
 :func:`.reconciling.reconcile` compares that with what the boards show, and
-:func:`.resumption.resumption` says where the mission goes on, and with what ``Engine.start`` starts
-it.
+:func:`.resumption.resumption` says where the mission continues, and what ``Engine.start`` starts it
+with.
 """

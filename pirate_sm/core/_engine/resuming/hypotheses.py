@@ -1,4 +1,4 @@
-"""Where a robot may be whose run was cut off: in which configuration, and how far it has driven."""
+"""The states in which an interrupted run may have left the robot, and how far it has driven."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compare where a robot may be, after a crash or never recorded, with what its boards show."""
+"""Compare the possible states of a robot with its sensors, after a crash or unrecorded."""
 
 from __future__ import annotations
 

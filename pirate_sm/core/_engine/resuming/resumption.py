@@ -1,4 +1,4 @@
-"""Say where a mission goes on after a crash, with what it starts, and what nobody knows then."""
+"""Decide where a mission continues after a crash, how it starts, and what remains unknown."""
 
 from __future__ import annotations
 

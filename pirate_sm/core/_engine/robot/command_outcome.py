@@ -1,4 +1,4 @@
-"""Compute what a command would change now, or why it is refused; and what it requires in general.
+"""Compute what a command would change now, why it is refused, and what it always requires.
 
 What it requires and where it leads follows from the table of all configurations.
 """

@@ -1,4 +1,4 @@
-"""Evaluate the criteria that show that a command is done; say what one that is not done lacks."""
+"""Evaluate the criteria that show that a command is done, and name those that are not met."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Decide whether sensors confirm a state or clamp or contradict it, and keep what has shown it."""
+"""Decide whether sensors confirm or contradict a state or a clamp, and record what showed it."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """The robot's chain of wheels and links, with the indexes of its signals, and the pipe around it.
 
-A clamped part stands as a V between the walls, so its wheels show the axis of the straight that it
-stands in: in space, through a roll joint. Two parts that stand in two straights show where these
-meet, and by which angle.
+A clamped part stands as a V between the walls, so its wheels show the axis of its straight: in
+space, through a roll joint. Two parts in two straights show where these meet, and at which angle.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Take frames of boards in, by a table that is compiled once; forget what is known no more."""
+"""Apply frames of boards by a table that is compiled once, and forget signals that are too old."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Gathers what a run has noted, and makes messages of it, and pieces of the file of the messages.
+"""Collects the events of a run, and turns them into messages and pieces of the file.
 
 At full speed gathering is most of what a recording costs the run. So a frame of a board leaves no
 object behind that Python's garbage collector would have to look at: its numbers are added to one

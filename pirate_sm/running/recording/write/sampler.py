@@ -1,4 +1,4 @@
-"""Looks at a run at intervals, for what a recording holds beside the engine's topics.
+"""Looks at a run at intervals, for what a recording holds in addition to the engine's topics.
 
 That is messages for viewers, which are also served live, or samples from which they can be made
 later. Nothing depends on it: an error here ends the samples, not the recording or the run.

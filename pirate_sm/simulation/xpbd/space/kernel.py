@@ -1,7 +1,7 @@
 """The compiled part of the kinematic simulator in space: a chain in round pipes.
 
-Python calls :func:`advance` and, for many cycles, :func:`glide` and :func:`pass_cycles`. The
-modules beside this one hold functions that they call, and `columns.py` the names of the columns of
+Python calls :func:`advance` and, for many cycles, :func:`glide` and :func:`pass_cycles`. The other
+modules of this folder hold functions that they call, and `columns.py` the names of the columns of
 their arrays.
 
 The method is that of the planar kernel (`xpbd/kernel.py`). What space adds:

@@ -1,0 +1,131 @@
+"""Options of the commands that read recordings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.options import common
+from pirate_sm.cli.options.declaring import argument, option, typed
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReplayOptions:
+    """Replay a recording and report whether the result is the same.
+
+    Exit codes: 0 the same, 1 different, 2 it cannot be read or contains nothing to replay.
+    """
+
+    recording: str = common.recording()
+    mission: str | None = option(
+        "MISSION", candidates.missions, "Mission to use instead of the recording's."
+    )
+    robot: str | None = common.a_robot("With --mission: the robot.")
+    pipe: str | None = common.a_pipe("With --mission: the pipe.")
+    begin: str | None = option("TIME", None, "Begin at the checkpoint before this time.", "--from")
+    until: str | None = option("TIME", None, "End at this time.")
+    jobs: int | None = typed("Processes; all processors where it is long.", "--jobs", "-j", min=1)
+    debug: bool = common.debug()
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareOptions:
+    """Compare two recorded runs, or two campaigns.
+
+    Runs are aligned by the mission's progress. Campaigns, folders with their results, are compared
+    cell by cell: by McNemar's exact test where seeds are the same, else by Fisher's.
+
+    Exit codes: 0 the same course, or B is not worse; 1 they part, or B is worse; 2 one cannot be
+    read, or results of a campaign are damaged.
+    """
+
+    first: str = argument(
+        "A", candidates.recordings, "A recording, or the folder of a campaign's results."
+    )
+    second: str = argument("B", candidates.recordings, "Another one.")
+    debug: bool = common.debug()
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportOptions:
+    """Write a recording for other programs."""
+
+    recording: str = common.recording()
+    csv: str | None = option("DIR", candidates.folders, "One table for each topic, SI units.")
+    parquet: str | None = option("DIR", candidates.folders, "The same tables as Parquet files.")
+    viewers: str | None = option(
+        "OUT.mcap", candidates.files, "The recording with all that viewers can show."
+    )
+    ros2: str | None = option(
+        "DIR", candidates.folders, "A bag of ROS 2: joints, frames, log, URDF."
+    )
+    urdf: str | None = option("FILE", candidates.files, "The robot, from its profile.")
+    lichtblick: str | None = option(
+        "FILE", candidates.files, "A layout for Lichtblick and Foxglove, for this robot."
+    )
+    plotjuggler: str | None = option(
+        "FILE", candidates.files, "A layout for PlotJuggler, for this robot."
+    )
+    overwrite: bool = common.overwrite()
+    debug: bool = common.debug()
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapOptions:
+    """Write the pipe that a recorded robot has driven through.
+
+    It is mapped from the robot's signals and words alone: straights by the wheels, bends by the
+    joint angles, rolls and pitches by gravity, diameters by the clamped parts. Comments in the file
+    say what is not known.
+
+    Exit codes: 0 written, 1 written, but the robot's place was lost on the way, 2 the recording
+    cannot be read.
+    """
+
+    recording: str = common.recording()
+    output: Path | None = common.output()
+    overwrite: bool = common.overwrite()
+    start_at: str | None = option(
+        "LENGTH", None, "Where the first wheel began; else the pipe begins at the last."
+    )
+    debug: bool = common.debug()
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportOptions:
+    """Write a recorded run as one HTML page that works offline.
+
+    Of several recordings, or of a folder, each gets a page next to it, and index.html lists them.
+    Pages of a read-only folder are written next to the list: name that with --output.
+    Of a folder with the results of a campaign, index.html shows all cells and why runs failed.
+    Pages that are newer than their recording are kept.
+
+    Exit codes: 0 written, 1 written, but a recording or results of the campaign cannot be read, 2
+    no recording can be read or a page not be written.
+    """
+
+    recordings: list[str] = argument(
+        "RUN.mcap|FOLDER",
+        candidates.recordings,
+        "A recording, several, a folder of them, or the folder of a campaign's results.",
+    )
+    output: Path | None = option(
+        "OUT.html", candidates.files, "RUN.html; of many, index.html.", "--output", "-o"
+    )
+    debug: bool = common.debug()
+
+
+@dataclass(frozen=True, kw_only=True)
+class RepairOptions:
+    """Complete a recording that was cut short, in a new file.
+
+    Exit codes: 0 written, or it is whole already; 2 it cannot be read, holds nothing that can be
+    used, or the file cannot be written.
+    """
+
+    recording: str = common.recording()
+    output: Path | None = option(
+        "OUT.mcap", candidates.files, "RUN.repaired.mcap otherwise.", "--output", "-o"
+    )
+    debug: bool = common.debug()
