@@ -11,6 +11,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from functools import cache
+from math import inf
 from time import process_time
 from typing import TYPE_CHECKING
 
@@ -70,13 +71,16 @@ class Taken:
 class Frames:
     """Counts the frames of a run, as a tap."""
 
-    stepwise = False
+    stepwise, due_s = False, inf
 
     def __init__(self) -> None:
         self.count = 0
 
     def start(self, *given: object, **named: object) -> None:
         """Count nothing."""
+
+    def take_glide(self, passed: Glide) -> None:
+        """Count nothing: the backend of this run cannot glide."""
 
     def take(self, event: Event, now_s: float, effects: object) -> None:
         """Count a frame."""
