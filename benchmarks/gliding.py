@@ -86,6 +86,9 @@ class Frames:
         """Count a frame."""
         self.count += type(event).__name__ == "SensorFrame"
 
+    def secure(self) -> None:
+        """Keep nothing."""
+
     def abandon(self, now_s: float, effects: object) -> None:
         """Count nothing."""
 

@@ -54,11 +54,6 @@ def driven_now(link: Path) -> bool:
     return any(_last(link, "wheels"))
 
 
-def acts_now(link: Path) -> bool:
-    """Whether any motor has a duty at the bay at this link."""
-    return any((*_last(link, "wheels"), *_last(link, "joints")))
-
-
 def _last(link: Path, field: str) -> list[float]:
     """Return this field of the last sample; empty before the first."""
     with _truth(link).open("rb") as file:
