@@ -226,10 +226,10 @@ class Exchange:
         return events
 
     def take_left_out_s(self) -> float:
-        """Return, once, how long this program stood still beyond a brief silence, s.
+        """Return, once, how long this program stood still while nobody could hear the device, s.
 
-        Mission time leaves this time out. Otherwise every board would seem silent, although its
-        reports wait to be read.
+        Mission time leaves this time out. Otherwise boards would seem silent, although their
+        reports wait to be read, and reading them takes a busy computer a while.
         """
         left_out_s, self._left_out_s = self._left_out_s, 0.0
         return left_out_s
@@ -371,8 +371,8 @@ class Exchange:
             self.brief = self._recovery.is_brief(outage, self.conversation.silence_s)
             if self.brief:
                 self.outage = None
-                most_s = self._recovery.brief_s - self._silent_s
-                self._left_out_s += max(0.0, now - outage.since_s - most_s)
+                awake_s = max(0.0, self.conversation.silence_s - self._silent_s)
+                self._left_out_s += max(0.0, now - outage.since_s - awake_s)
 
     @property
     def gives_up_s(self) -> float:
