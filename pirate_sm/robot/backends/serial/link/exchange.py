@@ -208,6 +208,7 @@ class Exchange:
 
     def receive(self, data: bytes, now: float) -> None:
         """Handle bytes from the port."""
+        self._notice_silence(now)  # this program may have stood still while it waited for them
         dropped = self.conversation.dropped
         for heard in self.conversation.receive(data, now):
             if isinstance(heard, TopicsKnown):
@@ -267,8 +268,7 @@ class Exchange:
             data = self.conversation.write(now)
             if data and self.conversation.asking:
                 busy_s = _INTRODUCTION_S
-            if self.conversation.asking or now >= self.conversation.heard_s + self._silent_s:
-                self._hold(now)
+            self._notice_silence(now)
         if self.outage is not None:
             self._judge(self.outage, now)
         if self.outage is None and not self.aside:
@@ -358,6 +358,11 @@ class Exchange:
             outage = self.outage = Outage(heard_s, since_s, sign_s=heard_s)
             self.aside = self.newer = self.brief = False
         return outage
+
+    def _notice_silence(self, now: float) -> None:
+        """Begin an outage if nothing has come for too long; what has come now ends it."""
+        if self.conversation.asking or now >= self.conversation.heard_s + self._silent_s:
+            self._hold(now)
 
     def _notice_return(self, now: float) -> None:
         """Handle that the controller speaks again; whether it has recovered is decided later."""

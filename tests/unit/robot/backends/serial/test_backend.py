@@ -398,6 +398,27 @@ def test_a_standstill_of_this_program_is_no_silence_of_the_controller(
     assert not faults([(now_s, event) for event in events] + told)
 
 
+def test_belief_no_board_was_silent_while_this_program_stood_still_as_it_waited_for_reports(
+    backend: SerialBackend, port: VirtualPort, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It was `sensor.silent`: 1.2 s had passed in the mission when the first board was heard."""
+    backend.open()
+    run(backend, 1.0)
+    read = port.read
+
+    def stand_still(until_s: float) -> bytes:
+        monkeypatch.setattr(port, "read", read)
+        port.wait(port.now() + 1.2)
+        return read(port.now() + 0.1)
+
+    monkeypatch.setattr(port, "read", stand_still)
+    now_s, events = backend.advance(10.0)
+    told = [(now_s, event) for event in events] + run(backend, 4.0)
+
+    assert now_s == pytest.approx(1.4, abs=0.05)
+    assert not faults(told)
+
+
 def test_nothing_is_told_of_sensors_before_the_reset_is(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:
