@@ -120,7 +120,9 @@ def test_a_mission_hears_a_detector_of_another_package(site: Path) -> None:
     assert "a word every 12 s" in result.stdout + result.stderr
 
 
-def test_what_a_package_adds_is_listed_and_what_is_wrong_with_another_is_told(site: Path) -> None:
+def test_what_a_package_adds_is_listed_and_what_is_wrong_with_another_is_reported(
+    site: Path,
+) -> None:
     result = pirate(site, "list", "backends")
 
     lines = {line.split()[0]: line for line in result.stdout.splitlines() if line.startswith("  ")}
@@ -197,7 +199,7 @@ def test_a_backend_that_is_misspelt_is_suggested(site: Path) -> None:
 
 
 @pytest.mark.thorough
-def test_an_option_that_a_detector_refuses_is_told(site: Path) -> None:
+def test_an_option_that_a_detector_refuses_is_reported(site: Path) -> None:
     result = pirate(site, "run", "mitre_bend", "--detector", "clock:soon")
 
     assert (result.returncode, result.stderr.strip()) == (2, "expected clock:SECONDS")

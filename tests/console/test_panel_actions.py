@@ -170,7 +170,7 @@ def test_words_are_said_where_no_detector_speaks() -> None:
     played(story)
 
 
-def test_a_question_before_the_second_press_and_a_loss_are_told() -> None:
+def test_a_question_before_the_second_press_and_a_loss_are_reported() -> None:
     async def story() -> None:
         desk = Desk()
         async with operator(trace(), size=SMALL, console=desk.console()) as me:

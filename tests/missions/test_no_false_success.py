@@ -76,7 +76,7 @@ def test_belief_a_folded_robot_before_the_bend_has_not_passed_it(seed: int) -> N
 
 
 @pytest.mark.parametrize("seed", thorough_but({3, 7}, range(12)))
-def test_belief_a_joint_that_sticks_in_the_bend_does_not_shorten_it(seed: int) -> None:
+def test_belief_a_joint_sensor_that_sticks_in_the_bend_makes_no_false_success(seed: int) -> None:
     defects = ("gamma_2_sticks:after=22s",)
     outcome = run(Order("mitre_bend_backward", seed=seed, defects=defects, detector="odometry"))
 

@@ -55,7 +55,7 @@ def test_without_a_display_nothing_begins(monkeypatch: pytest.MonkeyPatch) -> No
     assert "leave view out" in str(caught.value)
 
 
-def test_without_the_extra_its_name_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_extra_its_name_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
     for module in [name for name in sys.modules if name.startswith("pirate_sm.simulation.mujoco")]:
         monkeypatch.delitem(sys.modules, module)

@@ -299,7 +299,7 @@ def test_help_names_every_option(pirate_run: Any, pirate: Any) -> None:
             assert option in result.stdout
 
 
-def test_the_version_is_told(pirate_run: Any, pirate: Any) -> None:
+def test_the_version_is_reported(pirate_run: Any, pirate: Any) -> None:
     for result in (pirate_run("--version"), pirate("--version")):
         assert result.exit_code == 0
         assert result.stdout.splitlines()[0] == f"pirate-sm {__version__}"

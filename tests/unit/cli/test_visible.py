@@ -25,7 +25,7 @@ def test_words_of_any_language_stay_as_they_are() -> None:
     assert visible("Rohr Ø 120\u00a0mm → ✓ 管 трубa") == "Rohr Ø 120\u00a0mm → ✓ 管 трубa"
 
 
-def test_a_trigger_that_was_never_fired_is_told(pirate_run: Any) -> None:
+def test_a_trigger_that_was_never_fired_is_reported(pirate_run: Any) -> None:
     fired = ("--fire", "within", "--fire", "within")
     result = pirate_run(NEWT / "patrol.yaml", "--backend", "trace", "--quiet", *fired)
 
@@ -33,7 +33,7 @@ def test_a_trigger_that_was_never_fired_is_told(pirate_run: Any) -> None:
     assert result.stderr.count("\n") == 1
 
 
-def test_a_trigger_whose_wait_ended_before_is_told(pirate_run: Any) -> None:
+def test_a_trigger_whose_wait_ended_before_is_reported(pirate_run: Any) -> None:
     mission = NEWT / "patrol.yaml"
     result = pirate_run(mission, "--backend", "trace", "--quiet", "--fire", "look=100")
 

@@ -128,7 +128,7 @@ def test_a_closed_pipe_behind_the_output_stops_the_mission(
 @pytest.mark.parametrize(
     ("form", "said"), [((), "nothing has moved"), (("--quiet",), "the mission succeeded")]
 )
-def test_an_output_that_cannot_be_written_is_told(
+def test_an_output_that_cannot_be_written_is_reported(
     start: Start, form: tuple[str, ...], said: str
 ) -> None:
     with Path("/dev/full").open("w", encoding="utf-8") as full:

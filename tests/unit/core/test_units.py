@@ -125,7 +125,7 @@ def test_the_example_of_a_dimension_is_one_of_it(dimension: Dimension) -> None:
 
 
 @given(value=FINITE, dimension=st.one_of(DIMENSIONS, st.sampled_from(NAMED)))
-def test_what_is_written_is_read_back_exactly(value: float, dimension: Dimension) -> None:
+def test_a_written_quantity_is_read_back_exactly(value: float, dimension: Dimension) -> None:
     assert read_quantity(format_quantity(value, dimension), dimension) == value
 
 

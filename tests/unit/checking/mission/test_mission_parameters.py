@@ -96,7 +96,7 @@ def test_a_parameter_without_a_use_is_told_at_its_name(changes: dict[str, str]) 
     assert "'pause'" in found.message
 
 
-def test_each_one_is_told() -> None:
+def test_each_one_is_reported() -> None:
     text = with_().replace("start: a", "  more: {type: count, default: 3}\nstart: a")
 
     assert [each.place.line for each in findings(text)] == [5, 6]

@@ -20,7 +20,7 @@ phases:
 """
 
 
-def test_phases_and_ends_that_nothing_leads_to_are_told(tmp_path: Path) -> None:
+def test_phases_and_ends_that_nothing_leads_to_are_reported(tmp_path: Path) -> None:
     check = checked(tmp_path, LOST)
 
     assert only(check, "phase.unreachable").place.line == 7
@@ -57,7 +57,7 @@ def test_a_control_without_torques_cannot_fail(tmp_path: Path) -> None:
     assert "phase.unreachable" in {code for code, _ in told(check)}
 
 
-def test_a_loop_without_an_end_is_told(tmp_path: Path) -> None:
+def test_a_loop_without_an_end_is_reported(tmp_path: Path) -> None:
     body = """
 start: p
 phases:
@@ -69,7 +69,7 @@ phases:
     assert {"loop.endless", "mission.no_success"} <= codes
 
 
-def test_phases_that_go_round_at_once_are_told(tmp_path: Path) -> None:
+def test_phases_that_lead_to_each_other_without_waiting_are_an_error(tmp_path: Path) -> None:
     body = "start: p\nphases: {p: {go: q}, q: {go: p}}\n"
 
     assert only(checked(tmp_path, body), "loop.instant").severity.word == "error"

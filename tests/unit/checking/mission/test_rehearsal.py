@@ -82,7 +82,7 @@ def test_a_mission_whose_error_is_allowed_is_run(file: Path) -> None:
     assert [each.runs for each in checked(GOOD).rehearsals] == [(GOOD,)]
 
 
-def test_the_three_closest_calls_are_told(file: Path) -> None:
+def test_the_three_closest_calls_are_reported(file: Path) -> None:
     nearly = tuple(Nearly(f"call {n}", 0.9 - n / 10, 1.0, 4) for n in range(5))
 
     assert told(checked(GOOD, nearly=nearly))[2:5] == [

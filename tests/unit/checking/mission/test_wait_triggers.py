@@ -168,7 +168,7 @@ phases:
     assert any(each.given for each in check.explored[0].visits.values())
 
 
-def test_a_condition_that_is_always_the_same_is_told(tmp_path: Path) -> None:
+def test_a_condition_that_is_always_the_same_is_reported(tmp_path: Path) -> None:
     body = """
 start: p
 phases: {p: {do: [{command: HoldNose, if: "abs(neck) > 3 rad"}, SwitchLamp], go: good}}

@@ -52,7 +52,7 @@ def test_a_mission_without_a_pipe_is_left_alone(tmp_path: Path) -> None:
         ("pass_bend", "mitre_90_other_side"),
     ],
 )
-def test_a_bend_to_the_other_side_is_told(name: str, other: str) -> None:
+def test_a_bend_to_the_other_side_is_reported(name: str, other: str) -> None:
     loaded = load_mission(library.find_mission(name), pipe=other)
 
     (found,) = found_in(loaded)
@@ -139,7 +139,7 @@ def test_another_robot_bends_by_its_own_states(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("roll", ["30 deg", "-90 deg", "180 deg"])
-def test_a_bend_out_of_the_robots_plane_is_told(tmp_path: Path, roll: str) -> None:
+def test_a_bend_out_of_the_robots_plane_is_reported(tmp_path: Path, roll: str) -> None:
     found = findings(tmp_path, mission(ROUND, pipe(BENT, f", roll: {roll}")))
 
     assert [code for code, _ in told(found)] == ["geometry.out_of_plane"]
@@ -167,7 +167,7 @@ STILL = "[ClampFront]"
          "juts out of the beginning"),
     ],
 )  # fmt: skip
-def test_a_robot_that_does_not_fit_where_it_begins_is_told(
+def test_a_robot_that_does_not_fit_where_it_begins_is_reported(
     tmp_path: Path, segments: str, at: str, said: str
 ) -> None:
     found = findings(tmp_path, mission(STILL, pipe(segments)))
@@ -210,7 +210,7 @@ def test_a_mission_that_begins_in_the_bend_may_stand_there(tmp_path: Path) -> No
          "340 mm"),
     ],
 )  # fmt: skip
-def test_a_leg_that_is_too_short_to_stand_in_is_told(
+def test_a_leg_that_is_too_short_to_stand_in_is_reported(
     tmp_path: Path, do: str, segments: str, at: str
 ) -> None:
     found = findings(tmp_path, mission(do, pipe(segments)))
@@ -392,7 +392,7 @@ PATCH = ", patches: [{from: 1.2 m, to: 1.6 m, static: 0.05, kinetic: 0.04}]"
         ("[DriveForward, Brake]", PATCH.replace("static: 0.05", "static: 0.3"), False),
     ],
 )
-def test_a_patch_of_less_friction_on_the_way_is_told(
+def test_a_patch_of_less_friction_on_the_way_is_reported(
     tmp_path: Path, do: str, rest: str, weak: bool
 ) -> None:
     found = findings(tmp_path, mission(do, slippery(0.3, UP + rest), HELD))

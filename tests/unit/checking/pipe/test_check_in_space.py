@@ -202,7 +202,7 @@ def test_a_route_is_followed_through_its_network(tmp_path: Path) -> None:
         (TEE.replace("on}", "on, diameter: 40 mm}"), "at: 700 mm", ""),
     ],
 )
-def test_a_part_whose_wheels_sink_into_the_mouth_of_a_tee_is_told(
+def test_a_part_whose_wheels_sink_into_the_mouth_of_a_tee_is_reported(
     tmp_path: Path, tee: str, start: str, told_of: str
 ) -> None:
     missed = found(tmp_path, f"ClampFront, ClampRear, {DRIVE}", space(tee, start=start))
@@ -259,7 +259,7 @@ def without_posture(folder: Path) -> None:
          "'front', which is bent"),
     ],
 )  # fmt: skip
-def test_what_turns_without_a_posture_is_told(
+def test_what_turns_without_a_posture_is_reported(
     tmp_path: Path, do: str, code: str, said: str
 ) -> None:
     without_posture(tmp_path)
@@ -304,7 +304,7 @@ def test_the_module_stands_as_obliquely_as_the_pipe_is_wide(tmp_path: Path) -> N
         ("{reducer: 0 mm, to: 100 mm}", "1.3 m", "the reducer that begins at 1000 mm"),
     ],
 )
-def test_a_robot_that_does_not_start_between_two_joints_is_told(
+def test_a_robot_that_does_not_start_between_two_joints_is_reported(
     tmp_path: Path, fitting: str, at: str, said: str
 ) -> None:
     (missed,) = found(tmp_path, "ClampFront", space(fitting, start=f"at: {at}"))
@@ -333,7 +333,7 @@ def test_a_robot_that_does_not_start_between_two_joints_is_told(
          " {straight: 300 mm}", "240 mm"),
     ],
 )  # fmt: skip
-def test_a_straight_behind_a_joint_that_is_too_short_is_told(
+def test_a_straight_behind_a_joint_that_is_too_short_is_reported(
     tmp_path: Path, segments: str, room: str
 ) -> None:
     pipe = (

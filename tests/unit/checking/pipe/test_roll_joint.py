@@ -93,7 +93,7 @@ def test_a_command_is_known_by_the_angle_that_it_turns_to(joint: RollJoint) -> N
     assert joint.commands_to(2) == ()
 
 
-def test_an_angle_that_only_the_run_will_know_is_asked_for_once(
+def test_an_angle_known_only_during_the_run_is_one_turn_with_an_unknown_aim(
     loaded: LoadedRobot, robot: RobotSpec
 ) -> None:
     region = robot.regions.index("RotationState")

@@ -115,7 +115,7 @@ def test_a_chart_without_a_robot_is_judged_by_its_form() -> None:
     assert codes("chart.yaml") == ["chart.initial"]
 
 
-def test_a_profile_of_another_name_is_told() -> None:
+def test_a_profile_of_another_name_is_reported() -> None:
     shutil.copy(NEWT / "profile.yaml", "newt.yaml")
 
     assert codes("newt.yaml") == ["check.kind"]
@@ -291,7 +291,7 @@ def test_an_unknown_robot_or_pipe_is_refused() -> None:
             check_paths(["m.yaml"], wishes)
 
 
-def test_progress_is_told_before_each_file() -> None:
+def test_progress_is_reported_before_each_file() -> None:
     write("a.yaml")
     write("b.yaml", PIPE)
     said: list[tuple[int, int, str]] = []

@@ -120,7 +120,7 @@ def test_links_that_lead_in_a_circle_end() -> None:
     assert found("a") == [("mission", "a/m.yaml"), ("unreadable file", "a/loop.yaml")]
 
 
-def test_folders_without_end_are_told() -> None:
+def test_folders_without_end_are_reported() -> None:
     write("/".join(["d"] * (DEEPEST_FOLDER + 3)) + "/m.yaml")
 
     result = find_targets(["d"])
@@ -128,7 +128,7 @@ def test_folders_without_end_are_told() -> None:
     assert [each.code for each in result.findings] == ["check.folder"]
 
 
-def test_a_folder_without_anything_to_check_is_told() -> None:
+def test_a_folder_without_anything_to_check_is_reported() -> None:
     write("a/notes.txt")
 
     (finding,) = find_targets(["a"]).findings
@@ -136,7 +136,7 @@ def test_a_folder_without_anything_to_check_is_told() -> None:
 
 
 @pytest.mark.parametrize("folder", ["sequences", "elsewhere"])
-def test_a_project_without_anything_to_check_is_told(folder: str) -> None:
+def test_a_project_without_anything_to_check_is_reported(folder: str) -> None:
     Path(folder).mkdir()
 
     (finding,) = find_targets([]).findings

@@ -44,7 +44,7 @@ def test_a_finding_of_a_whole_file_names_no_line(report: CheckReport) -> None:
     assert properties == {"file": "/tmp/gone.yaml", "title": "file (error)"}
 
 
-def test_what_is_allowed_is_not_shown_at_its_line(report: CheckReport) -> None:
+def test_an_allowed_finding_is_counted_but_gets_no_annotation(report: CheckReport) -> None:
     text = github_report(report)
 
     assert "chart.trap" not in text

@@ -442,7 +442,7 @@ def test_scenes_are_checked(pirate: Any, tmp_path: Path) -> None:
     assert pirate("check", *(ROOT / "demos").glob("*.yaml")).exit_code == 0
 
 
-def test_a_twin_of_no_robot_is_told(pirate: Any, tmp_path: Path) -> None:
+def test_a_twin_of_no_robot_is_reported(pirate: Any, tmp_path: Path) -> None:
     twin = tmp_path / "twin.yaml"
     twin.write_text("format: 1\nrobot: pirate_i\nmotors: {}\n", encoding="utf-8")
 

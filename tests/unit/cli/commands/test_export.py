@@ -75,7 +75,7 @@ def test_to_ask_for_nothing_is_refused_with_what_there_is(pirate: Any, run: Path
 
 
 @pytest.mark.parametrize("option", ["--urdf", "--lichtblick", "--plotjuggler"])
-def test_a_file_that_cannot_be_written_is_told(
+def test_a_file_that_cannot_be_written_is_reported(
     pirate: Any, run: Path, tmp_path: Path, option: str
 ) -> None:
     result = pirate("export", run, option, tmp_path / "nowhere" / "file")

@@ -62,7 +62,7 @@ def test_the_chart_does_not_replace_its_source(pirate: Any, newt: Path) -> None:
         (b" " * (1 << 20) + b"<a/>", "is larger than 1 MiB"),
     ],
 )
-def test_what_is_no_chart_is_told(
+def test_what_is_no_chart_is_reported(
     pirate: Any, tmp_path: Path, content: bytes | None, says: str
 ) -> None:
     if content is not None:

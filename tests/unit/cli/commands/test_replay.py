@@ -112,7 +112,7 @@ def test_where_nothing_was_executed_nothing_came_out_the_same(pirate: Any, run: 
     assert "the same" not in nothing.stdout + beyond.stdout
 
 
-def test_a_state_that_differs_without_an_effect_is_told(pirate: Any, tmp_path: Path) -> None:
+def test_a_state_that_differs_without_an_effect_is_reported(pirate: Any, tmp_path: Path) -> None:
     right = piece_maker.state_to_text
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(recorder, "CHECKPOINT_S", 2.0)

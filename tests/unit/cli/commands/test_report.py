@@ -215,7 +215,7 @@ def test_what_is_no_recording_is_refused_in_one_line(
     assert not (tmp_path / "broken.html").exists()
 
 
-def test_a_page_that_cannot_be_written_is_told(pirate: Any, run: Path, tmp_path: Path) -> None:
+def test_a_page_that_cannot_be_written_is_reported(pirate: Any, run: Path, tmp_path: Path) -> None:
     result = pirate("report", run, "-o", tmp_path / "nowhere" / "a.html")
 
     assert result.exit_code == 2

@@ -340,7 +340,7 @@ def test_a_command_line_runs_even_if_the_variable_is_set(
     assert printed.read().endswith("config.toml\n")
 
 
-def test_no_option_that_takes_a_name_or_a_file_is_left_out() -> None:
+def test_every_option_that_takes_a_name_or_a_file_completes_it() -> None:
     free = {
         "boards", "seconds", "noise", "cells", "scheduler", "fire", "start_at", "images",
         "guard_for", "limit", "square", "board", "radius", "threshold", "until",

@@ -35,7 +35,7 @@ def test_settings_that_read_otherwise_are_refused(texts: list[str], why: str) ->
         read_settings(texts)
 
 
-def test_quantities_are_si() -> None:
+def test_lengths_and_durations_are_read_as_si() -> None:
     assert read_length("--start-at", "700 mm") == pytest.approx(0.7)
     assert read_duration("--guard-for", "2 min") == pytest.approx(120.0)
     assert read_duration("--guard-for", None) is None

@@ -60,7 +60,7 @@ def test_a_second_pass_begins_anew() -> None:
         assert screen.line == "reading it: 50%, 2 s left"
 
 
-def test_what_is_soon_over_is_not_told() -> None:
+def test_no_progress_is_shown_for_what_ends_soon() -> None:
     screen, clock = Screen(), Clock()
     with progress("reading it", screen, clock) as tell:
         clock.now_s = 0.4

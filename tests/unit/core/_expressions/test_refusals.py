@@ -221,13 +221,13 @@ def test_a_sum_that_does_not_exist_is_not_compared_as_well(text: str, message: s
 
 
 @pytest.mark.parametrize("text", ["abs(eye) == close", "close != abs(eye)"])
-def test_a_word_is_not_told_beside_a_number_that_cannot_be_made_of_words(text: str) -> None:
+def test_a_function_of_numbers_given_a_word_is_the_only_fault_reported(text: str) -> None:
     (fault,) = refused(text).faults
 
     assert fault.message == "'abs' needs a number, not 'eye', a word"
 
 
-def test_a_word_that_is_compared_with_a_number_is_told() -> None:
+def test_a_word_that_is_compared_with_a_number_is_reported() -> None:
     assert refused("abs(path) == close").message == "unknown name 'close'"
 
 

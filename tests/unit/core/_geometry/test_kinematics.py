@@ -63,7 +63,7 @@ def test_a_negative_angle_turns_the_body_ahead_towards_side_a() -> None:
     assert ahead - behind == pytest.approx(pi / 6)
 
 
-def test_what_rests_on_an_unknown_angle_is_unknown() -> None:
+def test_places_beyond_an_unknown_angle_are_unknown() -> None:
     places = CHAIN.places((0.0, 0.1, 0.2, nan, 0.1, 0.0), first=1)
 
     assert [isnan(x) for x, _ in places] == [False, False, False, False, True, True]

@@ -228,7 +228,9 @@ def test_a_run_backwards_meets_the_same_joints(parts) -> None:
         (0.5, -1.54, "this misses its junction by"),
     ],
 )  # fmt: skip
-def test_a_loop_closes_or_misses_its_junction(leg_m: float, angle: float, misfit: str) -> None:
+def test_a_loop_that_does_not_close_is_a_misfit_at_the_end_of_its_last_run(
+    leg_m: float, angle: float, misfit: str
+) -> None:
     home = (Straight(leg_m), Mitre(angle), Straight(1.0))
     network = Network(
         {

@@ -94,7 +94,7 @@ def test_what_stands_beside_comes_before_what_is_shipped(tmp_path):
     assert library.find_mission("enter_2d", tmp_path) == ROOT / "sequences" / "enter_2d.yaml"
 
 
-def test_a_robot_that_hides_a_shipped_one_is_told(tmp_path):
+def test_a_robot_that_hides_a_shipped_one_is_reported(tmp_path):
     own = tmp_path / "pirate_ii"
     shutil.copytree(ROOT / "hardware_profiles" / "pirate_ii", own)
     mission = tmp_path / "m.yaml"

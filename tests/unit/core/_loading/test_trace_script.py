@@ -57,7 +57,7 @@ def test_signals_are_told_in_si(robot: RobotSpec) -> None:
     assert told.report.words == (("detector", "close"), ("segment", None))
 
 
-def test_unknown_is_told_as_such(robot: RobotSpec) -> None:
+def test_unknown_in_a_course_is_reported_as_nan(robot: RobotSpec) -> None:
     (told,) = resolve_course([happening(phi="unknown")], robot)
 
     assert told.report is not None

@@ -44,7 +44,7 @@ def test_python_has_the_keywords_that_are_declared() -> None:
     assert keywords == set(OPTIONS) - NOT_IN_PYTHON
 
 
-def test_keywords_of_python_take_what_an_order_holds() -> None:
+def test_keyword_arguments_have_the_types_of_the_options_they_set() -> None:
     holds, takes = get_type_hints(GivenOptions), get_type_hints(Options)
     plain = [name for name in takes if holds.get(name) in (float, bool, int | None, float | None)]
 

@@ -80,7 +80,7 @@ def test_a_cell_that_was_stopped_earlier_is_compared_by_the_seeds_of_both() -> N
     assert only.worse, "of the shared seeds, though the share of all of them is better"
 
 
-def test_as_many_gained_as_lost_is_no_difference() -> None:
+def test_as_many_seeds_gained_as_lost_are_no_significant_difference() -> None:
     (only,) = compare([tally("a", range(9))], [tally("a", range(9, 18))]).differences
 
     assert (only.chance, only.significant, only.worse) == (1.0, False, False)

@@ -37,7 +37,7 @@ def test_what_each_run_came_to_is_told_and_drawn(result: ExperimentResult) -> No
     assert [series.name for series in figure.series] == ["3d"]
 
 
-def test_without_its_backend_nothing_is_run_and_that_is_told(
+def test_without_its_backend_nothing_is_run_and_that_is_reported(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(needed_extras, "find_spec", lambda module: None)

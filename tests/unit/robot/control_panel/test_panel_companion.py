@@ -179,7 +179,7 @@ def test_a_loss_before_the_first_look_is_not_forgotten() -> None:
     assert [type(each) for each in desk.hear([LOST])[0]] == [FaultReport]
 
 
-def test_it_looks_every_fiftieth_of_a_second_until_the_run_ends() -> None:
+def test_a_panel_is_read_every_20_ms_until_the_run_ends() -> None:
     desk = Desk()
     desk.press("E", now_s=10.0)
     assert desk.companion.due_s == pytest.approx(10.02)

@@ -67,7 +67,7 @@ def test_a_person_is_told_the_keys() -> None:
     )
 
 
-def test_the_place_is_told() -> None:
+def test_the_place_is_reported() -> None:
     chosen = choose("odometry", first_wheel_m=0.7125)
     assert "712.5 mm" in chosen.notices[0]
 

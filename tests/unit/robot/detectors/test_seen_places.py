@@ -85,7 +85,7 @@ def test_two_tags_show_the_wheel_between_them_in_the_middle(tags: Tags) -> None:
     ("links", "nearest"),
     [([0, 4], [0, 0, 0, 4, 4, 4]), ([4, 0], [0, 0, 0, 4, 4, 4]), ([0, 3], [0, 0, 0, 3, 3, 3])],
 )
-def test_what_no_tag_shows_hangs_on_the_nearest_one(
+def test_a_wheel_without_a_seen_tag_is_placed_by_the_nearest_tag(
     tags: Tags, links: list[int], nearest: list[int]
 ) -> None:
     shown = [mark for link in links for mark in marks([link], 0.001 * link)]

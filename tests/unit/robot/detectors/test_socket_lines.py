@@ -72,7 +72,7 @@ def test_a_line_says_a_word(line: bytes, said: DetectorWord) -> None:
         (b'{"word": "near"}' + b" " * LONGEST_LINE, "at most 4096 bytes"),
     ],
 )
-def test_a_line_that_says_nothing_is_told_why(line: bytes, why: str) -> None:
+def test_a_line_that_cannot_be_used_is_refused_with_the_reason(line: bytes, why: str) -> None:
     with pytest.raises(LineError, match=why):
         read_line(line, ACCEPTED)
 

@@ -275,7 +275,7 @@ def test_a_board_that_says_nothing_is_no_go_by_number_and_name(
     assert "no values come from board 26 (bend_3)" in messages(again, "no-go")[0]
 
 
-def test_a_joint_at_its_end_stop_and_one_beyond_it_are_told(
+def test_a_joint_at_its_end_stop_and_one_beyond_it_are_reported(
     examine: Examine, subject: ExpectedRobot
 ) -> None:
     facts = examine()
@@ -290,7 +290,7 @@ def test_a_joint_at_its_end_stop_and_one_beyond_it_are_told(
     assert "gamma_1 is at its end stop (120 deg either way)" in messages(again, "suspicious")
 
 
-def test_an_accelerometer_that_does_not_feel_gravity_is_told(
+def test_an_accelerometer_that_does_not_feel_gravity_is_reported(
     examine: Examine, subject: ExpectedRobot
 ) -> None:
     facts = examine()

@@ -50,7 +50,7 @@ def test_a_zero_that_jumped_is_measured(connect: Connect, subject: ExpectedRobot
         (reading(spread_deg=0.0), "gamma_1 shows exactly the same all the time"),
     ],
 )
-def test_what_must_not_become_a_zero_is_told(bad: JointReading, told: str) -> None:
+def test_what_must_not_become_a_zero_is_reported(bad: JointReading, told: str) -> None:
     (objection,) = objections([reading(), bad], LIMIT_RAD)
 
     assert objection.startswith(told)

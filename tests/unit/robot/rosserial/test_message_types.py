@@ -72,7 +72,7 @@ def test_a_message_is_read_from_the_beginning_of_a_longer_buffer_only_where_that
         it.unpack(buffer)
 
 
-def test_bytes_that_are_no_such_message_are_told() -> None:
+def test_bytes_that_are_no_such_message_are_reported() -> None:
     with pytest.raises(Malformed):
         kind("uint32 id\nint16[] setpoints").unpack(b"\0\0\0\0\xff\xff\xff\x0f", whole=False)
 

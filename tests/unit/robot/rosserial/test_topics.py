@@ -45,7 +45,7 @@ def test_a_topic_is_introduced_as_captured(frame: captured.Captured, info: Topic
     assert read_topic(frame.topic, payload) == info
 
 
-def test_a_line_of_the_log_is_the_captured_one() -> None:
+def test_a_log_line_is_written_and_read_as_it_was_captured() -> None:
     payload = bytes.fromhex(captured.LOG.payload)
 
     assert log_payload(LogLine(1, "bay ready")) == payload

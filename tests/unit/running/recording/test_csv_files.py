@@ -109,7 +109,7 @@ def test_pandas_reads_them(tables, tmp_path):
     assert frame["time_s"].is_monotonic_increasing
 
 
-def test_a_folder_that_cannot_be_made_is_told(tmp_path):
+def test_a_folder_that_cannot_be_made_is_reported(tmp_path):
     recording = record(tmp_path / "run.mcap", Order("enter_2d", backend="trace"))
     (tmp_path / "file").write_text("", encoding="utf-8")
 
@@ -120,7 +120,7 @@ def test_a_folder_that_cannot_be_made_is_told(tmp_path):
         write_tables(recording, loaded, tmp_path / "file" / "in")
 
 
-def test_what_nothing_read_in_the_run_is_in_the_table_all_the_same(tables):
+def test_the_table_has_estimates_that_nothing_read_during_the_run(tables):
     heading, *rows = tables["signals"]
     forces = [float(row[heading.index("normal_force_1_N")] or "nan") for row in rows]
 

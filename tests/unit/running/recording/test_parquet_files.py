@@ -77,7 +77,7 @@ def test_a_long_table_is_written_in_parts(folder: Path) -> None:
     assert {str(field.type) for field in file.schema_arrow} == {"double"}
 
 
-def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_made_is_an_error_of_the_disk(tmp_path: Path) -> None:
     recording = record(tmp_path / "run.mcap", Order("enter_2d", backend="trace"))
     (tmp_path / "file").write_text("", encoding="utf-8")
 

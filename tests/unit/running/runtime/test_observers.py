@@ -69,7 +69,7 @@ class Notes:
         self.effects += effects
 
 
-def test_an_onlooker_sees_the_state_each_time_before_it_speaks_and_its_logs_are_told() -> None:
+def test_an_onlooker_sees_the_state_each_time_before_it_speaks_and_its_logs_are_reported() -> None:
     onlooker, notes = Onlooker(), Notes()
     MissionRun(
         Engine(),

@@ -58,7 +58,7 @@ def test_it_stays_paused_where_the_robot_is_not_as_it_was_looked_at(drive):
     assert "states have changed since they were checked" in driver.messages[-1]
 
 
-def test_an_unknown_phase_and_a_running_mission_are_told(drive):
+def test_an_unknown_phase_and_a_running_mission_are_reported(drive):
     driver = drive(MISSION, nominal=True)
     driver.until_waiting("a")
 

@@ -81,7 +81,9 @@ def test_position_loops_do_not_go_by_what_a_script_says(drive: Drive) -> None:
         (SignalReport((), (("Grip", "Loose"),)), "'Grip', which no script can set"),
     ],
 )
-def test_what_a_script_cannot_say_is_told(waiting: Driver, report: SignalReport, said: str) -> None:
+def test_what_a_script_cannot_say_is_reported(
+    waiting: Driver, report: SignalReport, said: str
+) -> None:
     (line,) = waiting.give(report)
 
     assert isinstance(line, fx.Log)

@@ -481,7 +481,7 @@ def test_a_pause_that_is_pending_stays(drive):
     assert driver.state.mission.paused
 
 
-def test_belief_in_a_clamp_ends_in_a_pause_too_and_that_is_told(drive):
+def test_belief_in_a_clamp_ends_in_a_pause_too_and_that_is_reported(drive):
     driver = holding(drive, "then: continue")
     driver.give(ev.Pause())
 

@@ -83,7 +83,7 @@ def test_an_unknown_position_counts_where_the_rest_of_the_mission_reads_it(
     assert POSITION not in found(driver, driven_s=0.0)[1]
 
 
-def test_the_place_of_what_reads_it_is_told(drive) -> None:
+def test_the_place_of_what_reads_it_is_reported(drive) -> None:
     driver = asking(drive, "odometry >= 1 m")
     it, _ = found(driver)
     program = it.program(driver.engine.program)

@@ -254,7 +254,7 @@ def test_the_operator_passes_over_it(bearing):
     assert loops(driver) == ["RunningTorqueLoop"] * 2
 
 
-def test_it_may_be_passed_over_while_its_array_is_in_flight(bearing):
+def test_a_control_step_can_be_skipped_while_its_array_is_in_flight(bearing):
     driver = bearing()
     driver.give(ev.Answer("on"))
 

@@ -198,7 +198,7 @@ def test_in_a_recording_of_before_faults_are_nobodys_and_clamps_stay_confirmed(d
         ("{fault: sensor.silent, of: [], then: continue}", "at least one of its entries"),
     ],
 )
-def test_a_line_names_what_its_fault_can_be_of(tmp_path, line, told):
+def test_a_fault_handler_may_only_name_things_that_have_its_fault(tmp_path, line, told):
     path = write_mission(tmp_path, f"on_fault: [{line}]\n{IDLE}")
     if not told:
         load_mission(path)

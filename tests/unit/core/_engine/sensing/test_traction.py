@@ -227,7 +227,7 @@ def test_after_a_longer_silence_of_the_ruler_slip_must_be_steady_anew(rolling):
     assert not isnan(slipping(robot, 0.5)["mu_1"])
 
 
-def test_forces_are_unknown_where_no_part_is_clamped_or_a_joint_is(rolling):
+def test_forces_are_unknown_without_a_clamped_part_or_with_an_unknown_joint(rolling):
     assert isnan(rolling({"BendingState": "Unclamped"}).go(1.5, 0.0, 0.0)["normal_force_1"])
 
     robot = rolling().go(1.5, 0.02, 0.02)
@@ -278,7 +278,7 @@ def kept(robot: Rolling, name: str) -> float:
     return number
 
 
-def test_what_nothing_reads_is_estimated_only_when_somebody_asks(rolling):
+def test_estimates_that_nothing_reads_are_computed_only_when_asked_for(rolling):
     robot = rolling().go(1.5, None, 0.02)
 
     assert isnan(kept(robot, "normal_force_1"))

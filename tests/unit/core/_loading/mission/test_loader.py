@@ -283,7 +283,7 @@ def test_a_fault_is_told_with_a_way_to_mend_it(text, place, hint, tmp_path):
     assert f"\n  {hint}" in problem.render()
 
 
-def test_all_faults_of_a_mission_at_once(faults):
+def test_all_faults_of_a_mission_are_reported_at_once(faults):
     said = faults(
         f"""{HEAD}start: nowhere
 on_failure: gone

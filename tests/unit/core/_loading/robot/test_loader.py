@@ -121,7 +121,7 @@ def test_a_torque_that_cannot_be_kept_is_told_with_its_place(
     assert written[int(column) - 1 :].startswith(setpoint)
 
 
-def test_a_speed_in_a_control_that_the_motor_never_reaches_is_told(newt):
+def test_a_speed_in_a_control_that_the_motor_never_reaches_is_reported(newt):
     said = newt(
         "profile.yaml",
         ("    dead_drag: 30 mNm\n", "    dead_drag: 30 mNm\n    velocity_loop: {gain: 0.3}\n"),
@@ -209,7 +209,7 @@ def test_a_robot_without_slots_is_refused(newt):
 
 
 @pytest.mark.parametrize("missing", ["profile.yaml", "chart.yaml"])
-def test_a_missing_file_is_told(newt, tmp_path, missing):
+def test_a_missing_file_is_reported(newt, tmp_path, missing):
     assert newt("profile.yaml") == []
     (tmp_path / "newt" / missing).unlink()
     load_robot.cache_clear()
@@ -245,7 +245,7 @@ def test_a_fault_rule_follows_the_end_stop_of_a_joint(loaded_newt, stop_deg, ang
     assert rule.when.evaluate(numbers, words) is lost
 
 
-def test_a_fault_rule_with_the_end_stop_of_no_joint_is_told(newt):
+def test_a_fault_rule_with_the_end_stop_of_no_joint_is_reported(newt):
     old, new = "when: amps_a > 280 mA", "when: abs(neck) > $nek_stop"
     (line,) = (
         number

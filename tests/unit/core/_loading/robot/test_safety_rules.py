@@ -64,7 +64,7 @@ def test_what_is_wrong_with_a_rule_is_told_at_its_line(
     assert all(first < each.place.line <= first + 4 for each in raised.value.problems)
 
 
-def test_two_rules_of_one_name_are_told(tmp_path: Path) -> None:
+def test_two_rules_of_one_name_are_reported(tmp_path: Path) -> None:
     again = "never: clamps == 0\n  - rule: never_let_go\n    never: clamps == 1"
 
     with pytest.raises(LoadError, match="names another rule too"):

@@ -367,7 +367,7 @@ def test_mission_time_stands_still_while_a_controller_starts_again(
     assert set(frames) == set(device.boards)
 
 
-def test_mission_time_stands_still_when_this_program_did_while_the_cable_went(
+def test_mission_time_does_not_count_a_stall_of_this_program_in_which_the_cable_went(
     backend: SerialBackend, port: VirtualPort
 ) -> None:
     """The mission saw more than 1 s without a reading: all boards silent, no way to handle it."""
@@ -646,7 +646,7 @@ def test_only_a_confirmed_stop_dismisses_the_guardian_and_ends_the_conversation(
     assert (port.written[-1][1] == encode(11)) is obeys
 
 
-def test_the_way_out_does_not_wait_for_ever(
+def test_closing_gives_up_on_a_device_that_stays_away(
     backend: SerialBackend, device: Device, port: VirtualPort, plan: LinkPlan
 ) -> None:
     clamp(backend)

@@ -251,7 +251,7 @@ def test_an_mcap_file_of_somebody_else_is_called_that(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["nowhere.mcap", ".", "a\0b"])
-def test_a_file_that_cannot_be_read_is_told(name: str, tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_read_is_reported(name: str, tmp_path: Path) -> None:
     with pytest.raises(RecordingError) as caught:
         read_recording(tmp_path / name)
 

@@ -270,7 +270,7 @@ def test_it_looks_six_times_within_the_time_after_which_a_runner_is_silent() -> 
     assert beating().due_s == pytest.approx(0.3 / 6)
 
 
-def test_before_anybody_has_said_anything_nothing_is_due() -> None:
+def test_a_guard_that_has_heard_nothing_yet_has_nothing_to_do() -> None:
     assert Guard(Instructions(0.3, WANTED), EPOCH_S).due_s == inf
 
 
