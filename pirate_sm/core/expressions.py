@@ -13,8 +13,10 @@ from pirate_sm.core._expressions import (
     Vocabulary,
     compile_condition,
     compile_expression,
+    machine,
     tree,
 )
-from pirate_sm.core._expressions.compiler import DEEPEST, Code, depth_of
+from pirate_sm.core._expressions.compiler import Code, depth_of
+from pirate_sm.core._expressions.machine import DEEPEST
 from pirate_sm.core._expressions.tree import Signal, walk
 from pirate_sm.core._expressions.vocabulary import KEYWORDS, change_of

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from pirate_sm.core._engine.mission.planning import Plan, RulePlaces, plans
-from pirate_sm.core._engine.robot import confirmation, robot_state
+from pirate_sm.core._engine.robot import confirmation, duty_cycles, robot_state
 from pirate_sm.core._engine.robot.command_outcome import (
     Need,
     RegionChange,

@@ -14,7 +14,7 @@ from pirate_sm.core._engine.gliding.quiet_frames import (
     sensing_after,
 )
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.sensing import environment, evaluator
+from pirate_sm.core._engine.sensing import environment, evaluator, surveyor
 from pirate_sm.core._engine.sensing.board_spec import (
     TractionSpec,
     WatchedSpec,
@@ -32,19 +32,7 @@ from pirate_sm.core._engine.sensing.body_spec import (
     wheel_at,
 )
 from pirate_sm.core._engine.sensing.environment import (
-    AGREEING,
-    AT_REST,
-    COPLANAR_RAD,
     JOINT,
-    LEAST_SAMPLES,
-    NOISE_M,
-    NOISE_RAD,
-    OPEN_RAD,
-    SAMPLES,
-    STEP,
-    SURVEY_EVERY_S,
-    TURNED_RAD,
-    UPRIGHT,
     Surveyed,
     survey,
 )

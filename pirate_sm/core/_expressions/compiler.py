@@ -5,11 +5,9 @@ words of the vocabulary, never from the text of the expression. It is evaluated 
 Each node becomes an expression whose value is NaN (numbers) or None (words, conditions) for
 unknown. An evaluation takes a fraction of a microsecond; a tree walk would take tens.
 
-The stack machine runs inside compiled code, where no Python function can be called, and no
-condition needs to be compiled to machine code. All its values are floats: a condition is 1 (true),
-0 (false) or NaN (unknown), an unknown number is NaN. It gives what the function gives, to the bit.
-Words do not change while the machine runs, so tests of words are decided here, and with them the
-parts of a condition that follow from them.
+The stack machine (:mod:`machine`) runs inside compiled code, so that no condition needs to be
+compiled to machine code. Words do not change while it runs, so tests of words are decided here, and
+with them the parts of a condition that follow from them.
 """
 
 from __future__ import annotations
@@ -22,6 +20,7 @@ from math import isnan, nan
 from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
+from pirate_sm.core._expressions import machine as op
 from pirate_sm.core._expressions import tree
 from pirate_sm.core._expressions.analysis import analyse
 from pirate_sm.core._expressions.parser import parse, refusal
@@ -209,37 +208,25 @@ Code: TypeAlias = tuple[tuple[int, float], ...]
 """Instructions, each with its argument, in the order in which they are executed."""
 
 
-# The instructions: those that push a value (NUMBER: a signal, by its index), that change one, that
-# take two, and that take as many as their argument says.
-CONSTANT, NUMBER, NEGATE, ABSOLUTE, KNOWN, NOT, ADD, SUBTRACT, MULTIPLY, DIVIDE = range(10)
-
-
-EQUAL, DIFFERENT, LESS, AT_MOST, GREATER, AT_LEAST, LEAST, GREATEST, ALL, ANY = range(10, 20)
-
-
-DEEPEST: Final = 32
-"""How many values the machine can remember."""
-
-
-_ARITHMETIC: Final = {"+": ADD, "-": SUBTRACT, "*": MULTIPLY, "/": DIVIDE}
+_ARITHMETIC: Final = {"+": op.ADD, "-": op.SUBTRACT, "*": op.MULTIPLY, "/": op.DIVIDE}
 
 
 _COMPARISONS: Final = {
-    **{"==": EQUAL, "!=": DIFFERENT, "<": LESS},
-    **{"<=": AT_MOST, ">": GREATER, ">=": AT_LEAST},
+    **{"==": op.EQUAL, "!=": op.DIFFERENT, "<": op.LESS},
+    **{"<=": op.AT_MOST, ">": op.GREATER, ">=": op.AT_LEAST},
 }
 
 
-_FUNCTIONS: Final = {"abs": ABSOLUTE, "min": LEAST, "max": GREATEST}
+_FUNCTIONS: Final = {"abs": op.ABSOLUTE, "min": op.LEAST, "max": op.GREATEST}
 
 
-TRUE: Final[Code] = ((CONSTANT, 1.0),)
+TRUE: Final[Code] = ((op.CONSTANT, 1.0),)
 
 
-FALSE: Final[Code] = ((CONSTANT, 0.0),)
+FALSE: Final[Code] = ((op.CONSTANT, 0.0),)
 
 
-_UNKNOWN: Final[Code] = ((CONSTANT, nan),)
+_UNKNOWN: Final[Code] = ((op.CONSTANT, nan),)
 
 
 Words: TypeAlias = Sequence[str | None]
@@ -254,14 +241,14 @@ def code_of(node: tree.Node, words: Words = ()) -> Code:
     """
     match node:
         case tree.Number(value):
-            return ((CONSTANT, value),)
+            return ((op.CONSTANT, value),)
         case tree.TruthValue(value):
             return TRUE if value else FALSE
         case tree.Signal(_, kind, index):
             assert kind == "number", "a word is compared, and that is decided here"
-            return ((NUMBER, index),)
+            return ((op.NUMBER, index),)
         case tree.Negate(operand):
-            return (*code_of(operand, words), (NEGATE, 0))
+            return (*code_of(operand, words), (op.NEGATE, 0))
         case tree.Arithmetic(operator, left, right):
             return (*code_of(left, words), *code_of(right, words), (_ARITHMETIC[operator], 0))
         case tree.Call(function, arguments):
@@ -283,13 +270,13 @@ def _logic(node: tree.Node, words: Words) -> Code:
         case tree.Known(tree.Signal(_, "word", index)):
             return FALSE if words[index] is None else TRUE
         case tree.Known(operand):
-            return (*code_of(operand, words), (KNOWN, 0))
+            return (*code_of(operand, words), (op.KNOWN, 0))
         case tree.Not(operand):
-            return (*code_of(operand, words), (NOT, 0))
+            return (*code_of(operand, words), (op.NOT, 0))
         case tree.And(parts):
-            return _joined([code_of(each, words) for each in parts], FALSE, TRUE, ALL)
+            return _joined([code_of(each, words) for each in parts], FALSE, TRUE, op.ALL)
         case tree.Or(parts):
-            return _joined([code_of(each, words) for each in parts], TRUE, FALSE, ANY)
+            return _joined([code_of(each, words) for each in parts], TRUE, FALSE, op.ANY)
         case _:
             raise AssertionError(f"{node} is not a condition")
 
@@ -312,7 +299,7 @@ def words_in(node: tree.Node) -> tuple[int, ...]:
 
 def never_true(code: Code) -> bool:
     """Return whether a condition is false or unknown, whatever the numbers are."""
-    return len(code) == 1 and code[0][0] == CONSTANT and (isnan(code[0][1]) or code[0][1] == 0.0)
+    return len(code) == 1 and code[0][0] == op.CONSTANT and (isnan(code[0][1]) or code[0][1] == 0.0)
 
 
 @lru_cache(maxsize=4096)
@@ -320,11 +307,11 @@ def depth_of(code: Code) -> int:
     """Return how many values the machine remembers at most while it runs the code."""
     depth = deepest = 0
     for operation, argument in code:
-        if operation in (CONSTANT, NUMBER):
+        if operation in (op.CONSTANT, op.NUMBER):
             depth += 1
-        elif operation >= LEAST:
+        elif operation >= op.LEAST:
             depth += 1 - int(argument)
-        elif operation >= ADD:
+        elif operation >= op.ADD:
             depth -= 1
         deepest = max(deepest, depth)
     return deepest

@@ -26,7 +26,7 @@ ROBOT_ENTRIES = 5
 K_BEGIN, K_END, K_HOLDS, K_BOARDS = range(4)
 
 # Columns of `duties`; see `watch.SameDuty`.
-P_ANGLE, P_TARGET, P_THRESHOLD, P_GAIN, P_LEAST, P_LIMIT, P_RESOLUTION, P_SENT = range(8)
+P_ANGLE, P_TARGET, P_GAIN, P_THRESHOLD, P_LEAST, P_LIMIT, P_RESOLUTION, P_SENT = range(8)
 
 # Entries of `watch`; see `watch.Watch`: when time stops, from when on no frame is quiet, when the
 # engine must be called, and the next deadline without the detector's word.
@@ -75,29 +75,6 @@ LOOKER_ENTRIES = 13
 # Columns of `points`: the wheel, and what is added to how far it is beyond a crossing.
 O_WHEEL, O_MORE_M = range(2)
 
-# Columns of `chain`, a row per wheel: the number index of its joint's angle, the side that it
-# touches, the length of the link behind it.
-H_JOINT, H_SIDE, H_LENGTH = range(3)
-
-# Columns of `parts`, a row per clamping part; see `body_spec.Vee`: number indexes of the angle of
-# its apex and of its diameter, the end stop, its first and its last wheel.
-Q_ANGLE, Q_DIAMETER, Q_STOP, Q_FIRST, Q_LAST = range(5)
-
-# Entries of `body`: radius of a wheel, the accelerometer's link (-1: none), the number indexes of
-# its axes and of its roll, how long a force is remembered.
-I_RADIUS_M, I_LINK, I_AHEAD, I_SIDE, I_UP, I_ROLL, I_LASTING_S = range(7)
-
-# Entries of `surveyed`; see `environment.Surveyed`: when the survey is due, the part that gives the
-# axis, whether a bend is announced, when the last force was felt, the diameter of the last
-# straight, how many forces are remembered; what was reported last (the segment as a number);
-# whether a word is valid; how many surveys have been made. Then come the remembered forces, and as
-# much memory as one of their axes takes. A second row is memory for the next survey.
-(
-    E_DUE_S, E_PART, E_IN_BEND, E_FELT_S, E_STRAIGHT_M, E_FORCES, E_SEGMENT, E_ROLL, E_PITCH,
-    E_DIAMETER_M, E_WORD, E_MADE,
-) = range(12)  # fmt: skip
-SURVEY_ENTRIES = 12
-
 
 # --- groups of arrays ----------------------------------------------------------------------------
 
@@ -119,8 +96,9 @@ Scratch: TypeAlias = tuple[Floats, Floats]
 Task: TypeAlias = tuple[Ints, Floats, Floats, Floats, Floats]
 """`conditions`, their code, the signals when the wait began, `duties`, `watch`."""
 
-Posture: TypeAlias = tuple[Floats, Floats, Floats, Ints, Floats]
-"""`chain`, `parts`, `body`, a row of the parts that are held and two of memory, `surveyed`."""
+Posture: TypeAlias = tuple[Floats, Floats, Ints, Floats]
+"""The chain, the parts, the accelerometer and the memory of the survey, see `surveyor.survey`; a
+second row of this is memory for the next survey."""
 
 Looker: TypeAlias = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
 """`looker`, `points`; the bends, a row each: position and reach; the looks of the window and those

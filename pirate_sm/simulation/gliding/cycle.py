@@ -11,8 +11,8 @@ import numpy as np
 from pirate_sm.simulation.arrays import Floats, Ints, Words
 from pirate_sm.simulation.digitizing import digitize
 from pirate_sm.simulation.gliding import columns as col
+from pirate_sm.simulation.gliding.looking import look, may_repeat, repeat, repeats
 from pirate_sm.simulation.gliding.quiet import listen, looks_round, may_listen, take_frame
-from pirate_sm.simulation.gliding.surveying import look, may_repeat, repeat, repeats
 from pirate_sm.simulation.machine_code import compiled
 
 

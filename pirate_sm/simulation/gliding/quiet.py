@@ -4,125 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from pirate_sm.core.sensing import evaluator
+from pirate_sm.core.expressions import machine
+from pirate_sm.core.robot import duty_cycles
+from pirate_sm.core.sensing import evaluator, surveyor
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding.columns import Posture, RobotRows, Scratch, Task
-from pirate_sm.simulation.gliding.surveying import survey
 from pirate_sm.simulation.machine_code import compiled, compiled_module
 
-# --- conditions ----------------------------------------------------------------------------------
-
-
-# The instructions, as in `core/_expressions/compiler.py`: numbers, which numba takes as constants.
-CONSTANT, NUMBER, NEGATE, ABSOLUTE, KNOWN, NOT, ADD, SUBTRACT, MULTIPLY, DIVIDE = range(10)
-EQUAL, DIFFERENT, LESS, AT_MOST, GREATER, AT_LEAST, LEAST, GREATEST, ALL, ANY = range(10, 20)
-
-# Columns of the code.
-OPERATION, ARGUMENT = range(2)
-
-
-@compiled
-def _compared(operation: int, left: float, right: float) -> float:
-    if np.isnan(left) or np.isnan(right):
-        return np.nan
-    if operation == EQUAL:
-        holds = left == right
-    elif operation == DIFFERENT:
-        holds = left != right
-    elif operation == LESS:
-        holds = left < right
-    elif operation == AT_MOST:
-        holds = left <= right
-    elif operation == GREATER:
-        holds = left > right
-    else:
-        holds = left >= right
-    return 1.0 if holds else 0.0
-
-
-@compiled
-def _calculated(operation: int, left: float, right: float) -> float:
-    if operation == ADD:
-        return left + right
-    if operation == SUBTRACT:
-        return left - right
-    if operation == MULTIPLY:
-        return left * right
-    return left / right if right != 0.0 else np.nan
-
-
-@compiled
-def _changed(operation: int, value: float) -> float:
-    if operation == KNOWN:
-        return 0.0 if np.isnan(value) else 1.0
-    if operation == NEGATE:
-        return -value
-    if operation == ABSOLUTE:
-        return abs(value)
-    return np.nan if np.isnan(value) else 1.0 - value
-
-
-@compiled
-def _joined(operation: int, values: Floats) -> float:
-    """Return the least, the greatest, or whether all or any of several values are true."""
-    deciding = 0.0 if operation == ALL else 1.0
-    result = values[0]
-    unknown = False
-    for value in values:
-        unknown = unknown or np.isnan(value)
-        if operation == LEAST:
-            result = value if value < result else result
-        elif operation == GREATEST:
-            result = value if value > result else result
-        elif value == deciding:
-            return deciding
-    if unknown:
-        return np.nan
-    return result if operation < ALL else 1.0 - deciding
-
-
-@compiled
-def value_of(
-    code: Floats, begin: int, end: int, numbers: Floats, origin: Floats, stack: Floats
-) -> float:
-    """Return the value of a condition: 1 true, 0 false, NaN unknown; or that of a number.
-
-    Args:
-        code: `(instructions, 2)`: operation and argument.
-        begin: The first instruction.
-        end: The instruction after the last.
-        numbers: Signals, SI; NaN is unknown.
-        origin: Signals when the wait began; the change of a signal has its index after all signals.
-        stack: Scratch; as deep as the code needs.
-    """
-    count = numbers.shape[0]
-    top = -1
-    for at in range(begin, end):
-        operation = int(code[at, OPERATION])
-        if operation == CONSTANT:
-            top += 1
-            stack[top] = code[at, ARGUMENT]
-        elif operation == NUMBER:
-            top += 1
-            index = int(code[at, ARGUMENT])
-            if index < count:
-                stack[top] = numbers[index]
-            else:
-                stack[top] = numbers[index - count] - origin[index - count]
-        elif operation < ADD:
-            stack[top] = _changed(operation, stack[top])
-        elif operation < EQUAL:
-            top -= 1
-            stack[top] = _calculated(operation, stack[top], stack[top + 1])
-        elif operation < LEAST:
-            top -= 1
-            stack[top] = _compared(operation, stack[top], stack[top + 1])
-        else:
-            top -= int(code[at, ARGUMENT]) - 1
-            stack[top] = _joined(operation, stack[top : top + int(code[at, ARGUMENT])])
-    return float(stack[0])
-
+run = compiled_module(evaluator)["run"]
+value_of = compiled_module(machine)["value_of"]
+_duties, _surveyor = compiled_module(duty_cycles), compiled_module(surveyor)
+position_duty, quantised = _duties["position_duty"], _duties["quantised"]
+survey, is_news, _DUE_S = _surveyor["survey"], _surveyor["is_news"], surveyor.DUE_S
 
 # --- silent boards -------------------------------------------------------------------------------
 
@@ -174,8 +68,6 @@ def listen(
 # --- frames --------------------------------------------------------------------------------------
 
 
-run = compiled_module(evaluator)["run"]
-
 _IN_TIME = 1.5
 """Periods within which a board must report, else reports have been lost."""
 
@@ -197,19 +89,12 @@ def holds_as_before(
 
 @compiled
 def asks_the_same(duties: Floats, numbers: Floats, loss: float) -> bool:
-    """Return whether every position loop gives the duty that was sent last.
-
-    See ``RunningPositionLoop`` in ``core/_engine/robot/loops.py``.
-    """
-    for p in range(duties.shape[0]):
-        error = duties[p, col.P_TARGET] - numbers[int(duties[p, col.P_ANGLE])]
-        duty = 0.0
-        if abs(error) > duties[p, col.P_THRESHOLD]:
-            size = max(abs(error) * duties[p, col.P_GAIN] * (1.0 - loss), duties[p, col.P_LEAST])
-            size = min(size, duties[p, col.P_LIMIT])
-            duty = size if error > 0.0 else -size
-        resolution = duties[p, col.P_RESOLUTION]
-        if np.rint(duty / resolution) * resolution != duties[p, col.P_SENT]:
+    """Return whether every position loop gives the duty that was sent last."""
+    for loop in duties:
+        error = loop[col.P_TARGET] - numbers[int(loop[col.P_ANGLE])]
+        gain, threshold, least = loop[col.P_GAIN], loop[col.P_THRESHOLD], loop[col.P_LEAST]
+        duty = position_duty(error, loss, gain, threshold, least, loop[col.P_LIMIT])
+        if quantised(duty, loop[col.P_RESOLUTION]) != loop[col.P_SENT]:
             return False
     return True
 
@@ -232,13 +117,14 @@ def _copy(some: Floats, to: Floats) -> None:
 @compiled
 def looks_round(now_s: float, numbers: Floats, posture: Posture) -> bool:
     """Survey the pipe if that is due; return whether there is nothing to report."""
-    chain, parts, body, held, surveyed = posture
-    if now_s < surveyed[0, col.E_DUE_S]:
+    chain, parts, imu, memory = posture
+    if now_s < memory[0, _DUE_S]:
         return True
-    _copy(surveyed[0], surveyed[1])
-    if not survey(now_s, numbers, chain, parts, body, held, surveyed[1]):
+    _copy(memory[0], memory[1])
+    survey(now_s, numbers, chain, parts, imu, memory[1])
+    if is_news(memory[1]):
         return False
-    _copy(surveyed[1], surveyed[0])
+    _copy(memory[1], memory[0])
     return True
 
 

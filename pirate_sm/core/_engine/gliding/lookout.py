@@ -158,10 +158,7 @@ def _same_duties(robot: RobotSpec, body: RobotState) -> tuple[SameDuty, ...]:
         SameDuty(
             loop.angle,
             loop.target_rad,
-            loop.spec.threshold_rad,
-            loop.spec.gain,
-            loop.spec.least_duty,
-            loop.spec.limit,
+            *loop.spec[:4],
             robot.slots[loop.slot].resolution,
             body.latest[loop.slot],
         )

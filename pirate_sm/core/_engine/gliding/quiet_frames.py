@@ -40,16 +40,15 @@ class SameDuty(NamedTuple):
     Attributes:
         angle: Number index of the controlled angle.
         target_rad: The angle to reach.
-        threshold_rad: Within this, the duty is 0; ``gain``, ``least_duty`` and ``limit`` give it
-            elsewhere.
+        gain: As in ``PositionSpec``; so are ``threshold_rad``, ``least_duty`` and ``limit``.
         resolution: Steps of the wire.
         sent: The duty that was sent last.
     """
 
     angle: int
     target_rad: float
-    threshold_rad: float
     gain: float
+    threshold_rad: float
     least_duty: float
     limit: float
     resolution: float

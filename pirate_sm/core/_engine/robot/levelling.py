@@ -18,10 +18,10 @@ from typing import NamedTuple
 
 from pirate_sm.core._engine.moment import has_come
 from pirate_sm.core._engine.robot.criteria import AlignedSpec
-from pirate_sm.core._engine.robot.loops import quantised
+from pirate_sm.core._engine.robot.duty_cycles import quantised
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import Levelling, RobotState, confirmed_parts
-from pirate_sm.core._engine.sensing.environment import in_pipe, is_gravity
+from pirate_sm.core._engine.sensing import surveyor
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._geometry.space import GRAVITY_M_S2, Vector
 
@@ -79,7 +79,7 @@ def why_not(robot: RobotSpec, state: RobotState, sensing: Sensing, done: Aligned
     if any(state.values[wheel.slot] for wheel in robot.wheels):
         return "impossible: wheels are driven, and the inclination is measured at rest; brake first"
     force = _force(robot, state, sensing)
-    return _too_steep([force], done) if is_gravity(force) else ""
+    return _too_steep([force], done) if surveyor.is_gravity(*force) else ""
 
 
 def measured(
@@ -106,7 +106,7 @@ def measured(
         return memory
     force, roll_rad = _force(robot, state, sensing), sensing.numbers[imu.roll]
     memory = memory._replace(heard_s=heard_s)
-    if not is_gravity(force) or sensing.doubted.intersection((*imu.axes, imu.roll)):
+    if not surveyor.is_gravity(*force) or sensing.doubted.intersection((*imu.axes, imu.roll)):
         return memory._replace(felt=())
     if not memory.felt or not abs(roll_rad - memory.roll_rad) <= _STILL_RAD:
         return memory._replace(felt=(force,), since_s=now_s, roll_rad=roll_rad)
@@ -172,7 +172,8 @@ def _turned(robot: RobotSpec, slot: int, wanted_rad: float, roll_rad: float) -> 
 def _force(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Vector:
     """Return the specific force in the axes of the pipe, in the plane of the part that holds."""
     parts = confirmed_parts(robot, state)
-    return in_pipe(robot.body, min(parts), sensing.numbers) if parts else (nan, nan, nan)
+    part = min(parts, default=-1)
+    return surveyor.force_in_pipe(part, sensing.numbers, *robot.body.rows)
 
 
 def _too_steep(felt: Sequence[Vector], done: AlignedSpec) -> str:

@@ -19,6 +19,7 @@ from pirate_sm.core._engine.robot.command_spec import (
     WheelTorqueSpec,
     Write,
 )
+from pirate_sm.core._engine.robot.duty_cycles import position_duty
 from pirate_sm.core._engine.sensing.board_spec import BoardSpec
 from pirate_sm.core._geometry.chain import HELD_SAFETY
 
@@ -162,20 +163,8 @@ class RunningPositionLoop(NamedTuple):
         return self._replace(spec=self.spec._replace(limit=limit))
 
     def duty(self, numbers: Numbers, loss: float = 0.0) -> float:
-        """Return the duty cycle of the controller; 0 within the threshold or for an unknown angle.
-
-        Args:
-            numbers: Signals.
-            loss: Share of reports that is lost. It reduces the gain: the array that stops the
-                joint may come late, so the joint approaches its angle more slowly.
-        """
-        error = self.target_rad - numbers[self.angle]
-        if not abs(error) > self.spec.threshold_rad:
-            return 0.0
-        size = min(
-            max(abs(error) * self.spec.gain * (1 - loss), self.spec.least_duty), self.spec.limit
-        )
-        return size if error > 0 else -size
+        """Return the duty cycle of the controller, given the share of reports that is lost."""
+        return position_duty(self.target_rad - numbers[self.angle], loss, *self.spec[:4])
 
     def pushed_nm(self, duty: float, share: float, least_nm: float) -> float:
         """Return the torque that a pushed joint exceeds at this duty."""
@@ -443,8 +432,3 @@ def loops_after(board: BoardSpec, loops: Loops, seen: Circumstances) -> Loops:
         [each.heard(seen) if signal_of(each) in board.number_set else each for each in loops]
     )
     return loops if after == loops else after
-
-
-def quantised(value: float, resolution: float) -> float:
-    """Return the value rounded to the resolution of the wire."""
-    return round(value / resolution) * resolution

@@ -18,6 +18,7 @@ from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.command_spec import StageSpec
 from pirate_sm.core._engine.robot.criteria import CriterionSpec, ReachedSpec
 from pirate_sm.core._engine.robot.done_criteria import RESTORING, holds, posture_bounds
+from pirate_sm.core._engine.robot.duty_cycles import quantised
 from pirate_sm.core._engine.robot.loops import (
     Circumstances,
     Loop,
@@ -29,7 +30,6 @@ from pirate_sm.core._engine.robot.loops import (
     begun,
     ends_with_command,
     loops_after,
-    quantised,
 )
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (

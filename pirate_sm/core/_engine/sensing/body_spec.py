@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import acos, inf, isnan, nan
 from typing import NamedTuple
 
+from pirate_sm.core._engine.sensing import surveyor
 from pirate_sm.core._geometry.chain import Chain
 from pirate_sm.core._geometry.plane import turned
 from pirate_sm.core._geometry.space import DRAWING, Frame, Place, Vector, between, combined, dot
@@ -33,6 +35,20 @@ class Vee(NamedTuple):
     angle: int
     diameter: int
     end_stop_rad: float
+
+
+class BodyRows(NamedTuple):
+    """The body as plain numbers, see :mod:`surveyor`.
+
+    Attributes:
+        chain: A row per wheel.
+        parts: A row per part.
+        imu: The accelerometer.
+    """
+
+    chain: tuple[tuple[float, ...], ...]
+    parts: tuple[tuple[float, ...], ...]
+    imu: tuple[int, ...]
 
 
 class Imu(NamedTuple):
@@ -90,14 +106,21 @@ class BodySpec(Chain):
         Returns:
             The heading, positive towards side A; NaN if an angle in between is unknown.
         """
-        angles, vee = self.angles(numbers), self.parts[part]
-        first, last = vee.wheels[0], vee.wheels[-1]
-        aside_m = 0.0
-        if self.sides[first] != self.sides[last]:
-            span_m = numbers[vee.diameter] if vee.diameter >= 0 else nan
-            aside_m = span_m / 2 - self.wheel_radius_m
-        turn = self.lean(self.places(angles, first), vee.wheels, aside_m)
-        return self.headings(angles, first)[link] + turn
+        return surveyor.heading_in_pipe(part, link, numbers, self.rows.chain, self.rows.parts)
+
+    @cached_property
+    def rows(self) -> BodyRows:
+        """Return it as plain numbers."""
+        parts = [
+            (vee.angle, vee.diameter, vee.end_stop_rad, vee.wheels[0], vee.wheels[-1])
+            for vee in self.parts
+        ]
+        imu = self.imu
+        return BodyRows(
+            tuple(zip(self.joints, self.sides, (*self.lengths_m, 0.0), strict=True)),
+            tuple((*part, self.wheel_radius_m) for part in parts),
+            (-1, 0, 0, 0, -1) if imu is None else (imu.link, *imu.axes, imu.roll),
+        )
 
 
 def known(points: Sequence[Place], wheels: Sequence[int]) -> bool:

@@ -12,8 +12,8 @@ from statistics import fmean, median
 
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.sensing.environment import AGREEING
 from pirate_sm.core._engine.sensing.known_signals import DistanceMemory, Sensing
+from pirate_sm.core._engine.sensing.surveyor import AGREEING
 from pirate_sm.core._engine.sensing.wheels import BALANCED, Believed, believed, judge_grip
 
 BASE_M = 0.005
