@@ -12,8 +12,8 @@ from itertools import pairwise
 from pathlib import Path
 from random import Random
 
+from pirate_sm.core import library
 from pirate_sm.core.events import SubmitResult
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedMission, load_mission
 from pirate_sm.robot.backends.serial.assembly import read_plan
 from pirate_sm.robot.backends.serial.backend import SerialBackend

@@ -36,11 +36,11 @@ from time import perf_counter
 from typing import NamedTuple, cast
 
 from benchmarks.belief_cases import WAYS, Case, case_of
-from pirate_sm.core.campaign import TrueEnd
 from pirate_sm.core.effects import Effect, Log, Setpoints
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.errors import PirateError
 from pirate_sm.core.events import Event
+from pirate_sm.lab.campaign.campaign_model import TrueEnd
 from pirate_sm.lab.campaign.plan import command_of
 from pirate_sm.lab.campaign.watched_run import Outcome, finished, judge
 from pirate_sm.running.wiring import Prepared, load, prepare

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import load_robot
 from pirate_sm.core.units import LENGTH, read_quantity
 from pirate_sm.running.wiring import Order

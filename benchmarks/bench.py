@@ -26,7 +26,7 @@ from benchmarks.campaign import run
 from benchmarks.console import measure_console
 from benchmarks.recording import measure_commands, measure_recording, measure_short
 from benchmarks.used import used_by
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import LoadedRobot, load_robot
 from pirate_sm.core.robot import ChartTable
 from pirate_sm.running.wiring import Order

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 
 from pirate_sm.checking.exploring.explore import conditions_of, explore
 from pirate_sm.checking.mission.check_mission import check_loaded
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import LoadedMission, load_mission
 
 RUNS = 5

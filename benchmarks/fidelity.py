@@ -25,8 +25,8 @@ from time import process_time
 from typing import NamedTuple
 
 from benchmarks.campaign import Outcome, options_of_rows, run_all
+from pirate_sm.core import library
 from pirate_sm.core._geometry.network import Straight, planar
-from pirate_sm.core.files import library
 from pirate_sm.core.geometry import Route, Section
 from pirate_sm.core.loading import load_robot
 from pirate_sm.core.options import USUAL, Fidelity

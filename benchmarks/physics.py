@@ -18,8 +18,8 @@ from time import process_time
 import numpy as np
 
 from benchmarks.campaign import run
+from pirate_sm.core import library
 from pirate_sm.core._geometry.network import Straight, planar
-from pirate_sm.core.files import library
 from pirate_sm.core.geometry import Route, Section
 from pirate_sm.core.loading import load_robot
 from pirate_sm.core.simulation import Friction

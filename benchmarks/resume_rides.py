@@ -15,9 +15,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
+from pirate_sm.core import library
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.errors import PirateError
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedMission, load_mission
 from pirate_sm.core.robot import states_of
 from pirate_sm.robot.backends.serial.assembly import read_plan

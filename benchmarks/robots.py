@@ -20,7 +20,7 @@ from random import Random
 import yaml
 
 from benchmarks.campaign import run_all
-from pirate_sm.core.campaign import TrueEnd
+from pirate_sm.lab.campaign.campaign_model import TrueEnd
 from pirate_sm.lab.campaign.plan import command_of
 from pirate_sm.lab.campaign.watched_run import RunVerdict, judge
 from pirate_sm.running.wiring import Order

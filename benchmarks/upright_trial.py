@@ -12,10 +12,10 @@ from shutil import copytree
 from statistics import median
 from typing import TYPE_CHECKING
 
+from pirate_sm.core import library
 from pirate_sm.core._engine.robot.loops import RunningTorqueLoop
 from pirate_sm.core.effects import Effect, Fault
 from pirate_sm.core.events import BuiltInFault
-from pirate_sm.core.files import library
 
 if TYPE_CHECKING:
     from pirate_sm.core.loading import LoadedMission

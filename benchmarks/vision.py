@@ -27,11 +27,11 @@ from math import cos, dist, sin
 import numpy as np
 
 from benchmarks.vision_boards import calibrates
-from pirate_sm.core.camera import Camera, Lighting, MarkedRobot, SyntheticSource
+from pirate_sm.core import library
 from pirate_sm.core.companion import Companion
 from pirate_sm.core.events import Sighting
-from pirate_sm.core.files import library
 from pirate_sm.core.geometry import Route
+from pirate_sm.robot.camera import Camera, Lighting, MarkedRobot, SyntheticSource
 from pirate_sm.robot.camera_file import load_camera
 from pirate_sm.robot.vision.seeing import Eye, MarkerFinder, eye_of
 from pirate_sm.robot.vision.synthetic import ShownScene, SyntheticPictures, scene_in_pipe

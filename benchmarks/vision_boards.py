@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from pirate_sm.core.camera import CameraPose, FrameSize, Lens
+from pirate_sm.robot.camera import CameraPose, FrameSize, Lens
 from pirate_sm.robot.vision.calibration import calibrate
 from pirate_sm.robot.vision.opencv import Floats, Gray, cv2
 from pirate_sm.robot.vision.projection import LensModel, View, rotation_of, turn_of

@@ -65,7 +65,7 @@ def _last(link: Path, field: str) -> list[float]:
 
 def main() -> int:
     """The bay has run in real time until it was asked to end."""
-    from pirate_sm.core.files import library
+    from pirate_sm.core import library
     from pirate_sm.core.loading import load_mission
     from pirate_sm.simulation.bay.node_handle import message_texts
     from pirate_sm.simulation.bay.switches import Switches

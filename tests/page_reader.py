@@ -16,7 +16,7 @@ from followed_page import Command, Edit, apply
 from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import commands, only_run
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import load_pipe, load_robot
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.robot.detectors.registry import DETECTORS

@@ -8,8 +8,8 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import pirate_sm
-from pirate_sm.core.camera import SyntheticSource
-from pirate_sm.core.files import library
+from pirate_sm.core import library
+from pirate_sm.robot.camera import SyntheticSource
 from pirate_sm.robot.camera_file import load_camera
 from pirate_sm.robot.vision.opencv import Frame, cv2
 from pirate_sm.robot.vision.seeing import annotated, eye_of

@@ -12,8 +12,8 @@ from typing import Any
 import pirate_sm
 from pirate_sm import learning
 from pirate_sm.cli import start
+from pirate_sm.core import library
 from pirate_sm.core.events import BuiltInFault
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot
 from pirate_sm.running.runtime.ending import (
     BACKEND,

@@ -17,7 +17,6 @@ from pirate_sm.core.errors import BackendError, DetectorError, UsageError
 from pirate_sm.core.events import Answer, Event, OperatorCommand, Pause, Resume
 from pirate_sm.core.expressions import Expression, compile_condition
 from pirate_sm.core.options import Options
-from pirate_sm.core.program import why_not_command
 from pirate_sm.core.spelling import meant
 from pirate_sm.running.runtime.loop import raised_by_part
 from pirate_sm.running.runtime.pump import BackendRaisedError, Pump, described
@@ -163,7 +162,7 @@ class Session:
         """
         robot = self._ready.engine.robot
         index = robot.table.command_index[self._name(command)]
-        return why_not_command(robot, self._engine_state, index)
+        return self._engine_state.why_not_command(robot, index)
 
     def submit(self, command: str) -> None:
         """Give a command, as an operator would; :meth:`advance` waits until it is done.

@@ -24,6 +24,7 @@ from pirate_sm.checking.reports.check_report import (
 )
 from pirate_sm.checking.reports.counterexamples import Examples
 from pirate_sm.checking.robot.check_robot import check_robot
+from pirate_sm.core import library
 from pirate_sm.core.documents import (
     LARGEST_FILE,
     Document,
@@ -34,23 +35,22 @@ from pirate_sm.core.documents import (
     read_document,
 )
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import PROFILE_FILE, library, shown
+from pirate_sm.core.library import PROFILE_FILE, shown
 from pirate_sm.core.loading import (
     check_pipe,
     check_reach,
     check_twin,
-    load_calibration,
     load_pipe,
     load_robot,
     outline_chart,
-    read_script,
     references,
     validate,
 )
 from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Calibration
 from pirate_sm.core.simulation import Twin
+from pirate_sm.robot.backends.trace_script import read_script
+from pirate_sm.robot.calibration_files import Calibration, load_calibration
 from pirate_sm.robot.camera_file import check_robot_seen, load_camera
 from pirate_sm.robot.control_panel.panel_file import check_names, read_panel, robot_of
 

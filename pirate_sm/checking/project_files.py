@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import TypeAlias
 
 from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.permissions import is_below
 from pirate_sm.checking.reports.check_report import CheckReport
+from pirate_sm.core import library
 from pirate_sm.core.documents import Edit, FileKind, Place, kind_of
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import PROFILE_FILE, is_below, library, shown
+from pirate_sm.core.library import PROFILE_FILE, shown
 from pirate_sm.core.loading import project_of
 from pirate_sm.core.on_disk import is_folder, is_there, opened, replace_file
 from pirate_sm.core.spelling import nearest

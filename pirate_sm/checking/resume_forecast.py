@@ -10,7 +10,7 @@ from pirate_sm.checking.exploring.explore import conditions_of, explore
 from pirate_sm.checking.mission.reachability import cannot_end
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Program
-from pirate_sm.core.resuming import Resumption, position_read
+from pirate_sm.core.resuming import Resumption
 from pirate_sm.core.robot import Mark, confirmation
 
 Word = Literal["possible", "may hang", "fails", "impossible", "not explored"]
@@ -69,7 +69,7 @@ def _hanging(
     loaded: LoadedMission, it: Resumption, program: Program, found: Exploration
 ) -> Forecast | None:
     """Return the forecast if the mission may hang; else None."""
-    read = dict(position_read(loaded.robot, program, it.entry.origin)) if it.adrift else {}
+    read = dict(it.positions_read(loaded.robot, program))
     for node in found.nodes:
         mission = node.state.mission
         if mission.begun and mission.pc in read:

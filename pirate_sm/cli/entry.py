@@ -105,7 +105,8 @@ def _suggested_line(word: str, known: Iterable[str]) -> str | None:
     """Return the command line that a word instead of a command is short for, None if unknown."""
     import shlex
 
-    from pirate_sm.core.files import PROFILE_FILE, library
+    from pirate_sm.core import library
+    from pirate_sm.core.library import PROFILE_FILE
     from pirate_sm.core.spelling import nearest
 
     if word.lower() in ("help", "version"):

@@ -16,7 +16,7 @@ from pirate_sm.cli.settings import BUILT_IN, SettingValue, runs, unusable_runs
 from pirate_sm.core.effects import Effect, Log
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import Event
-from pirate_sm.core.files import shown
+from pirate_sm.core.library import shown
 from pirate_sm.running.wiring.run_recorder import (
     Kept,
     RunRecorder,

@@ -8,15 +8,16 @@ from typing import Any
 
 import typer
 
+from pirate_sm.checking import permissions
 from pirate_sm.cli.entry import commands
 from pirate_sm.cli.options.declaring import read_settings
-from pirate_sm.core.campaign import SceneStep
+from pirate_sm.core import library
 from pirate_sm.core.documents import LoadError
 from pirate_sm.core.documents import Path as Keys
 from pirate_sm.core.errors import PirateError, RecordingError, UsageError
-from pirate_sm.core.files import library, permissions
 from pirate_sm.core.loading import LoadedMission, load_mission
 from pirate_sm.core.spelling import unknown
+from pirate_sm.lab.campaign.campaign_model import SceneStep
 from pirate_sm.lab.gallery.scene_file import ASKS, OUT, UNKNOWN, recording_of, words_of
 from pirate_sm.robot.camera_file import opened_by
 from pirate_sm.running.recording.read.reader import read_recording

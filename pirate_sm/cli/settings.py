@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from pirate_sm.core.files import SIMULATED, is_below
+from pirate_sm.checking.permissions import SIMULATED, is_below
 from pirate_sm.core.on_disk import is_there
 from pirate_sm.core.palette import THEMES, USUAL
 
@@ -173,7 +173,7 @@ def _refused(name: str, value: str, project: Path, trusted: SettingValue) -> str
 
 
 def _is_shipped(robot: str) -> bool:
-    from pirate_sm.core.files import library
+    from pirate_sm.core import library
 
     return robot in {path.name for path in library.robots()} and not is_there(Path(robot))
 

@@ -7,9 +7,10 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from pirate_sm.checking.permissions import is_below
 from pirate_sm.cli.settings import SETTINGS, SettingValue, expanded
 from pirate_sm.core.documents import LoadError, Place, Problem, read_text
-from pirate_sm.core.files import is_below, is_path, shown
+from pirate_sm.core.library import is_path, shown
 from pirate_sm.core.on_disk import is_there
 from pirate_sm.core.spelling import nearest, one_of
 

@@ -11,7 +11,6 @@ from pirate_sm.core._model.effects import (
     Detected,
     Effect,
     Ended,
-    Environment,
     Fault,
     LaneMark,
     LaneSpan,

@@ -11,7 +11,6 @@ from pirate_sm.core._geometry.chain import (
     Pose,
     height_m,
     in_space,
-    link_poses,
     press_n,
     span_m,
 )
@@ -27,18 +26,7 @@ from pirate_sm.core._geometry.network import (
     tilted_up,
 )
 from pirate_sm.core._geometry.placement import Placement
-from pirate_sm.core._geometry.plane import (
-    Walls,
-    drawn_walls,
-    flat,
-    inner_corner,
-    nearest_on,
-    part_normals,
-    turned,
-    unit,
-    walls,
-)
-from pirate_sm.core._geometry.room import Room, sink_m
+from pirate_sm.core._geometry.plane import Walls, drawn_walls, flat, inner_corner, turned, walls
 from pirate_sm.core._geometry.route import Bend, Route, RouteJoint
 from pirate_sm.core._geometry.space import (
     DRAWING,
@@ -51,17 +39,4 @@ from pirate_sm.core._geometry.space import (
     crossed,
     dot,
     scaled,
-)
-from pirate_sm.core._geometry.views import (
-    Outline,
-    Ring,
-    Rings,
-    clock_rad,
-    outlines,
-    plain_tubes,
-    seen_in,
-    unrolled,
-    unrolled_walls,
-    upright,
-    walls_in_space,
 )

@@ -4,7 +4,7 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._loading import references, trace_script
+from pirate_sm.core._loading import references
 from pirate_sm.core._loading.chart_exploration import cached_table
 from pirate_sm.core._loading.chart_outline import (
     ChartOutline,
@@ -27,7 +27,6 @@ from pirate_sm.core._loading.mission.generated import (
 from pirate_sm.core._loading.mission.loader import (
     TOLERABLE,
     LoadedMission,
-    MissionPickler,
     holding_in,
     load_mission,
 )
@@ -42,15 +41,6 @@ from pirate_sm.core._loading.pipe import (
     reach,
 )
 from pirate_sm.core._loading.references import followed, project_of
-from pirate_sm.core._loading.robot.calibration_files import (
-    LARGEST_ZERO_RAD,
-    joints_of,
-    keep_calibration,
-    load_calibration,
-    newest_calibration,
-    summary,
-    with_zeros,
-)
 from pirate_sm.core._loading.robot.loader import (
     LoadedRobot,
     check_twin,
@@ -60,6 +50,5 @@ from pirate_sm.core._loading.robot.loader import (
     simulated_profile,
     with_fitted,
 )
-from pirate_sm.core._loading.trace_script import read_script
 from pirate_sm.core._loading.yaml.error_wording import word
 from pirate_sm.core._loading.yaml.validation import try_validate, validate

@@ -23,11 +23,4 @@ from pirate_sm.core._model.mission import (
     WaitStep,
     every_step,
 )
-from pirate_sm.core._model.triggers import (
-    UNKNOWN,
-    ConditionTrigger,
-    Happening,
-    OperatorTrigger,
-    TimeTrigger,
-    Trigger,
-)
+from pirate_sm.core._model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger

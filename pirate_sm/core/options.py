@@ -17,7 +17,5 @@ from pirate_sm.core._model.run_options import (
     RunOption,
     defect_as_text,
     keys_of_defect,
-    number_of_defect,
-    numbers_of_defect,
     written,
 )

@@ -102,21 +102,3 @@ THEMES: Mapping[Theme, Palette] = {
     "okabe_ito": OKABE_ITO,
 }
 """The palette of each theme of the console."""
-
-MUTED, STRONG, GOOD, WARN, BAD, ACCENT = "muted", "bold", "good", "warn", "bad", "accent"
-
-ON_A_TERMINAL: Mapping[str, str] = {
-    MUTED: "dim",
-    STRONG: "bold",
-    GOOD: "bright_blue",
-    WARN: "yellow",
-    BAD: "bright_red",
-    ACCENT: "cyan",
-}
-"""How the roles of text look in the colours that every terminal has, and may change [decided]:
-blue, yellow and red stay apart in each kind of colour vision, green and red do not."""
-
-
-def variables(palette: Palette) -> str:
-    """Return the palette as custom properties of CSS."""
-    return " ".join(f"--{role.replace('_', '-')}: {colour};" for role, colour in palette.items())

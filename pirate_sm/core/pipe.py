@@ -5,4 +5,4 @@
 from __future__ import annotations
 
 from pirate_sm.core._model.pipe import Blockage, FrictionStretch, Pipe, PipeFile, Turns
-from pirate_sm.core._model.pipe_runs import Elbow, Mitre, PipeRun, Reducer, Segment, Straight
+from pirate_sm.core._model.pipe_runs import PipeRun, Straight

@@ -4,7 +4,6 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._model.base import DEFINED, LONGEST_NAME, Format, Frozen, Name
 from pirate_sm.core._model.robot import body, criteria, signals
 from pirate_sm.core._model.robot.actuation import (
     Control,
@@ -18,7 +17,7 @@ from pirate_sm.core._model.robot.actuation import (
     Stage,
     Target,
 )
-from pirate_sm.core._model.robot.body import Body, Calibration, Link, Motor, Wheel
+from pirate_sm.core._model.robot.body import Body, Link, Motor, Wheel
 from pirate_sm.core._model.robot.criteria import Load, SafetyRule, Stalled, Turning
 from pirate_sm.core._model.robot.profile import (
     Board,

@@ -4,9 +4,8 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._engine.inputs import awaits_torques, why_not_command
+from pirate_sm.core._engine.inputs import awaits_torques
 from pirate_sm.core._engine.mission import program
-from pirate_sm.core._engine.mission.flow import why_not_on, why_not_to
 from pirate_sm.core._engine.mission.interpreter import ROUND_AND_ROUND
 from pirate_sm.core._engine.mission.program import (
     HERE,
@@ -22,8 +21,4 @@ from pirate_sm.core._engine.mission.program import (
     SwitchControl,
     TriggerSpec,
     Wait,
-    failures,
-    reached,
-    successes,
-    successors,
 )

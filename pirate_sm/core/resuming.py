@@ -4,13 +4,12 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._engine.resuming.hypotheses import DarkWay, Hypothesis, hypotheses
+from pirate_sm.core._engine.resuming.hypotheses import DarkWay, hypotheses
 from pirate_sm.core._engine.resuming.reconciling import (
     Reconciled,
     VerdictTable,
     adoptable,
     reconcile,
-    shown_instead,
     verdicts,
 )
 from pirate_sm.core._engine.resuming.resumption import (
@@ -19,8 +18,6 @@ from pirate_sm.core._engine.resuming.resumption import (
     Beginning,
     Refused,
     Resumption,
-    position_read,
     resumption,
-    unknown_position,
     unknowns,
 )

@@ -6,17 +6,8 @@ from __future__ import annotations
 
 from pirate_sm.core._engine.mission.planning import Plan, RulePlaces, plans
 from pirate_sm.core._engine.robot import confirmation, duty_cycles, robot_state
-from pirate_sm.core._engine.robot.command_outcome import (
-    Need,
-    RegionChange,
-    changes,
-    lets_all_go,
-    marks_after,
-    needs,
-    refusal,
-)
+from pirate_sm.core._engine.robot.command_outcome import lets_all_go, marks_after, refusal
 from pirate_sm.core._engine.robot.command_spec import SlotSpec, StageSpec, Write
-from pirate_sm.core._engine.robot.confirmation import declared_in
 from pirate_sm.core._engine.robot.criteria import (
     AcceptedSpec,
     AlignedSpec,
@@ -43,9 +34,7 @@ from pirate_sm.core._engine.robot.robot_spec import (
 )
 from pirate_sm.core._engine.robot.robot_state import (
     DECLARED,
-    DENIED,
     STOPPED,
-    Flight,
     Mark,
     RobotState,
     at_rest_in,
@@ -57,4 +46,3 @@ from pirate_sm.core._engine.robot.robot_state import (
 )
 from pirate_sm.core._engine.robot.sensor_verdict import verdict
 from pirate_sm.core._engine.safety import rules
-from pirate_sm.core._engine.safety.faults import no_faults

@@ -10,6 +10,7 @@ from pirate_sm.core._model.robot.simulation import (
     DefectText,
     Friction,
     Kind,
+    LineFaults,
     RulerSettings,
     Twin,
 )

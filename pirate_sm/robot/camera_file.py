@@ -7,7 +7,15 @@ from itertools import combinations
 from math import asin, cos, degrees, dist, sqrt
 from pathlib import Path
 
-from pirate_sm.core.camera import (
+from pirate_sm.core import library
+from pirate_sm.core.documents import Document, Problems, Severity, read_document
+from pirate_sm.core.documents import Path as At
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.library import shown
+from pirate_sm.core.loading import validate
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.spelling import nearest
+from pirate_sm.robot.camera import (
     FEWEST_POINTS,
     Camera,
     CameraPose,
@@ -18,13 +26,6 @@ from pirate_sm.core.camera import (
     TagFamily,
     UrlSource,
 )
-from pirate_sm.core.documents import Document, Problems, Severity, read_document
-from pirate_sm.core.documents import Path as At
-from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import library, shown
-from pirate_sm.core.loading import validate
-from pirate_sm.core.profile import Profile
-from pirate_sm.core.spelling import nearest
 from pirate_sm.robot.part_names import BY_CAMERA, BY_SOCKET
 
 # --- reading --------------------------------------------------------------------------------------

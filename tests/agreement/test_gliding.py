@@ -16,7 +16,7 @@ import pytest
 from agreement.missions import invent
 from agreement.robots import NEWT, PIRATE
 from agreement.stepping import Kept, Places, assert_the_same, course
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import load_robot
 from pirate_sm.running.wiring import Order
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import load_mission
 from pirate_sm.robot.detectors.registry import DETECTORS
 from pirate_sm.testing import DetectorContract, Subject

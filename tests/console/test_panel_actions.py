@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import load_robot
 from pirate_sm.robot.control_panel.panel_file import load_panel
 from pirate_sm.robot.control_panel.panel_reader import Connection, Happening, PanelReader

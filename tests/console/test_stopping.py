@@ -19,7 +19,6 @@ from textual.widget import Widget
 from pirate_sm.cli.commands.console import _conclude
 from pirate_sm.core.effects import Ended
 from pirate_sm.core.events import Event, FaultReport
-from pirate_sm.core.program import why_not_to
 from pirate_sm.running.runtime.ending import BY_SIGNAL, Result, Stop
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, Prepared
@@ -80,7 +79,7 @@ def test_a_command_that_a_pause_has_suspended_is_taken_over() -> None:
             assert any("the operator took over" in each for each in me.told())
             me.until(lambda: me.latest.state.robot.flight is None)
             program = me.latest.scene.loaded.program
-            assert why_not_to(program, me.latest.state, "regrip") == ""
+            assert me.latest.state.why_not_to(program, "regrip") == ""
 
     played(story)
 

@@ -13,7 +13,7 @@ import yaml
 from representative import MISSIONS, thorough_but
 
 from pirate_sm.checking.check_project import Wishes, check_paths
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 
 from .odd import Odd, odd_missions
 from .seeding import HERE, ROOT, copied, put

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.cli.output.event_lines import JsonLines, ObservedRun
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare

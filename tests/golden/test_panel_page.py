@@ -7,9 +7,8 @@ from collections.abc import Iterator, Mapping
 from html import escape
 from pathlib import Path
 
-from pirate_sm.core.files import library
-from pirate_sm.core.panel import Button
-from pirate_sm.robot.control_panel.panel_file import read_panel
+from pirate_sm.core import library
+from pirate_sm.robot.control_panel.panel_file import Button, read_panel
 from pirate_sm.robot.control_panel.presses import action_text
 
 ROOT = Path(__file__).parents[2]

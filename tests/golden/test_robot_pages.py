@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import commands
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 
 PAGES = Path(__file__).parents[2] / "docs" / "robots"
 ROBOTS = [folder.name for folder in library.robots()]

@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.camera_bends import joint_defects
 from benchmarks.campaign import run, run_all
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import load_robot
 from pirate_sm.lab.campaign.campaign_file import read_campaign
 from pirate_sm.lab.campaign.chunk import Sent, loaded_mission, run_seed

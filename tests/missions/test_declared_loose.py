@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from pirate_sm.core import library
 from pirate_sm.core.events import Event
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_pipe, load_robot
 from pirate_sm.running.runtime.ending import Result
 from pirate_sm.running.runtime.loop import MissionRun

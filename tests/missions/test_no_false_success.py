@@ -11,7 +11,7 @@ from representative import thorough_but
 import pirate_sm
 from benchmarks.camera_bends import is_false, joint_defects
 from benchmarks.campaign import run
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import load_robot
 from pirate_sm.lab.campaign.watched_run import SHORT_M
 from pirate_sm.running.wiring import Order

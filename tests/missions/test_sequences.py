@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from representative import MISSIONS, thorough_but
 
+from pirate_sm.core import library
 from pirate_sm.core.documents import LoadError
 from pirate_sm.core.effects import CommandStatus, Fault, StateChange
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_mission
 
 ROOT = Path(__file__).resolve().parents[2]

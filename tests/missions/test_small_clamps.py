@@ -6,8 +6,8 @@ import shutil
 
 import pytest
 
+from pirate_sm.core import library
 from pirate_sm.core.effects import Fault
-from pirate_sm.core.files import library
 
 SMALL = """\
   small:

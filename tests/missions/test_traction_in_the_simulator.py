@@ -11,7 +11,7 @@ from statistics import mean, median
 import pytest
 
 from pirate_sm import run as run_mission
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.replay import replay

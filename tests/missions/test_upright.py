@@ -7,8 +7,8 @@ import shutil
 import pytest
 from representative import thorough_but
 
+from pirate_sm.core import library
 from pirate_sm.core.effects import Fault, StateChange
-from pirate_sm.core.files import library
 
 CROSSING_M = 1.0
 UPRIGHT = ["mitre_90_from_below", "mitre_90_from_above", "mitre_90_up", "mitre_90_down"]

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Literal
 
 from pirate_sm.core.documents import read_document
+from pirate_sm.core.fields import Frozen
 from pirate_sm.core.loading import validate
-from pirate_sm.core.profile import Frozen
 from pirate_sm.core.spelling import nearest
 
 _HERE = Path(__file__).parent

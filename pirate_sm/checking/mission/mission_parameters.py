@@ -14,6 +14,7 @@ from pirate_sm.checking.findings import Finding, Severity, at
 from pirate_sm.checking.mission.mission_view import MissionView, within_reach
 from pirate_sm.core.documents import Document, Problems
 from pirate_sm.core.expressions import ExpressionError, compile_condition
+from pirate_sm.core.fields import Parameter
 from pirate_sm.core.loading import LoadedMission, Value, Values, defaults, read_value
 from pirate_sm.core.mission import (
     AskStep,
@@ -26,7 +27,6 @@ from pirate_sm.core.mission import (
     TimeTrigger,
     WaitStep,
 )
-from pirate_sm.core.quantities import Parameter
 from pirate_sm.core.units import QuantityError
 
 _USE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")

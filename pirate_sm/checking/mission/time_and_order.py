@@ -19,7 +19,7 @@ from pirate_sm.core.expressions import tree
 from pirate_sm.core.geometry import dot
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.mission import CONTROL_WITHIN_S, Mission, Phase, WaitStep, every_step
-from pirate_sm.core.program import Do, Program, Question, SwitchControl, Wait, successors
+from pirate_sm.core.program import Do, Program, Question, SwitchControl, Wait
 from pirate_sm.core.robot import RobotSpec, RobotState, robot_state
 
 # --- order ---------------------------------------------------------------------------------------
@@ -99,7 +99,7 @@ def _counted_before(program: Program, used: Mapping[int, set[str]]) -> Mapping[i
     while waiting:
         at = waiting.pop()
         counted = found[at] | used.get(at, set())
-        for target in successors(program, at):
+        for target in program.successors(at):
             if target >= 0 and not counted <= found[target]:
                 found[target] |= counted
                 waiting.append(target)

@@ -19,7 +19,7 @@ from pirate_sm.core.geometry import Piece, RouteJoint
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import DetectorPoint
-from pirate_sm.core.program import Do, Require, Wait, failures
+from pirate_sm.core.program import Do, Require, Wait
 
 
 @dataclass(frozen=True)
@@ -335,7 +335,7 @@ class AtWaits:
         """Return how far the robot has come at least in a wait that led to an instruction."""
         program = self._view.loaded.program
         it = program.instructions[at]
-        if not isinstance(it, Wait) or it.counts_on or target in failures(program, at):
+        if not isinstance(it, Wait) or it.counts_on or target in program.failures(at):
             return 0.0
         led = [each.condition for each in it.triggers if each.go == target]
         return min(0.0 if each is None else self._change_m(each.tree) for each in led)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce
 from pirate_sm.checking.pipe.robot_in_pipe import PartRolls, RollJoint
-from pirate_sm.core.program import Program, failures, successes
+from pirate_sm.core.program import Program
 from pirate_sm.core.program import program as steps
 from pirate_sm.core.robot import RobotSpec
 
@@ -218,7 +218,7 @@ class _Follower:
         yield from done
         if self.failing:
             # A command that failed may have been refused, or begun: states are as if it was done.
-            for target in failures(self.program, now.at):
+            for target in self.program.failures(now.at):
                 yield from (each._replace(at=target) for each in (now, *done))
 
     def _done(self, now: CoursePoint) -> Iterator[CoursePoint]:
@@ -239,7 +239,7 @@ class _Follower:
                 true = step.condition.evaluate(numbers, states) is True
                 yield now._replace(at=step.if_true if true else step.if_false)
             case _:
-                yield from (now._replace(at=to) for to in successes(self.program, now.at))
+                yield from (now._replace(at=to) for to in self.program.successes(now.at))
 
     def _command(self, step: steps.Do, now: CoursePoint) -> Iterator[CoursePoint]:
         after = self.robot.table.follow(now.configuration, step.command)

@@ -12,7 +12,7 @@ from pirate_sm.checking.findings import Finding, Severity, settle
 from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.checking.mission.mission_view import MissionPlaces
 from pirate_sm.core.documents import FileKind
-from pirate_sm.core.files import shown
+from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission
 
 # --- rehearsals ----------------------------------------------------------------------------------

@@ -20,15 +20,15 @@ from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep, 
 from pirate_sm.checking.exploring.possible_events import UNSAID
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.check_mission import MissionCheck
+from pirate_sm.core import library
 from pirate_sm.core.documents import Document
 from pirate_sm.core.documents import Path as At
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import FaultReport
 from pirate_sm.core.expressions import Vocabulary
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import TOLERABLE, LoadedMission
-from pirate_sm.core.mission import UNKNOWN
 from pirate_sm.core.units import format_quantity
+from pirate_sm.robot.backends.trace_script import UNKNOWN
 
 SCRIPT_SUFFIX = ".script.yaml"
 

@@ -18,7 +18,7 @@ from pirate_sm.checking.robot.check_chart import check_chart, cut_off, examine
 from pirate_sm.checking.robot.references import OF_PROFILE, found_by, references
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.core.documents import Document, LoadError, Problem, Problems, read_extended
-from pirate_sm.core.files import PROFILE_FILE
+from pirate_sm.core.library import PROFILE_FILE
 from pirate_sm.core.loading import LoadedRobot, cached_table, load_robot, outline_chart, read_robot
 
 UNREACHABLE = "chart.unreachable"

@@ -13,7 +13,7 @@ from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.core.documents import LoadError, Path, read_document
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.expressions import tree
-from pirate_sm.core.files import find_mission
+from pirate_sm.core.library import find_mission
 from pirate_sm.core.loading import followed
 from pirate_sm.core.robot import (
     AcceptedSpec,

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple, TextIO
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.devices import BayOptions
 from pirate_sm.cli.output.files import refuse_losses
+from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_mission, load_pipe, load_robot
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile

@@ -13,17 +13,17 @@ from pirate_sm.cli.options.devices import CalibrateOptions
 from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.core.documents import LoadError
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import shown
-from pirate_sm.core.loading import (
+from pirate_sm.core.library import shown
+from pirate_sm.core.loading import LoadedRobot
+from pirate_sm.core.spelling import unknown
+from pirate_sm.core.units import ANGLE, read_quantity
+from pirate_sm.robot.calibration_files import (
     LARGEST_ZERO_RAD,
-    LoadedRobot,
+    Calibration,
     joints_of,
     keep_calibration,
     newest_calibration,
 )
-from pirate_sm.core.profile import Calibration
-from pirate_sm.core.spelling import unknown
-from pirate_sm.core.units import ANGLE, read_quantity
 from pirate_sm.robot.diagnosis.judgement import JointReading, objections, read_joints
 from pirate_sm.robot.diagnosis.listening import Listening
 from pirate_sm.running.runtime.ending import CaughtSignals, StopRequests

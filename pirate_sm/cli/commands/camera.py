@@ -18,7 +18,12 @@ from pirate_sm.cli.options.devices import (
 )
 from pirate_sm.cli.output.files import refuse_losses, write_bytes, write_file
 from pirate_sm.cli.output.terminal import progress
-from pirate_sm.core.camera import (
+from pirate_sm.core import library
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.events import Sighting
+from pirate_sm.core.loading import load_pipe, load_robot
+from pirate_sm.core.visible import visible
+from pirate_sm.robot.camera import (
     Camera,
     DeviceSource,
     ImagesSource,
@@ -26,11 +31,6 @@ from pirate_sm.core.camera import (
     SyntheticSource,
     UrlSource,
 )
-from pirate_sm.core.errors import UsageError
-from pirate_sm.core.events import Sighting
-from pirate_sm.core.files import library
-from pirate_sm.core.loading import load_pipe, load_robot
-from pirate_sm.core.visible import visible
 from pirate_sm.robot.camera_file import lens_line, load_camera, pose_line, with_lens, with_pose
 from pirate_sm.robot.vision.calibration import (
     KnownPlace,

@@ -15,8 +15,8 @@ from pirate_sm.cli.errors import StoppedError, say
 from pirate_sm.cli.options.estimates import CampaignOptions
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.cli.settings import BUILT_IN, SETTINGS, runs, unusable_runs
+from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError, not_installed
-from pirate_sm.core.files import library
 from pirate_sm.core.on_disk import is_file, is_folder
 from pirate_sm.core.spelling import unknown
 from pirate_sm.core.visible import visible

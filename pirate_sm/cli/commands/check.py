@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pirate_sm.checking.check_project import Wishes, check_paths
 from pirate_sm.checking.findings import Finding, Severity, finding_of
+from pirate_sm.checking.permissions import is_below
 from pirate_sm.checking.project_files import FileChange, changes_of
 from pirate_sm.checking.reports.check_report import CheckReport, Rehearse
 from pirate_sm.checking.reports.text import text_report
@@ -18,11 +19,8 @@ from pirate_sm.cli.options.declaring import read_settings
 from pirate_sm.cli.output.terminal import columns_of, progress, shows_colour, wrapped, writable
 from pirate_sm.core.documents import Document, FileKind, Problems
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import is_below
-from pirate_sm.core.palette import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
 from pirate_sm.core.visible import visible
-from pirate_sm.lab.experiments.experiment_files import check_experiment
-from pirate_sm.lab.gallery.scene_file import HERE, OUT, check_scene
+from pirate_sm.views.showing.roles import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
 
 CLEAN, FOUND, NOTHING = 0, 1, 2
 
@@ -58,7 +56,7 @@ def run_check(options: CheckOptions) -> int:
         rehearse=_rehearse(options),
         outside=options.outside,
         others={
-            FileKind.EXPERIMENT: lambda path: _form(*check_experiment(path)),
+            FileKind.EXPERIMENT: _check_experiment,
             FileKind.CAMPAIGN: _check_campaign,
             FileKind.SCENE: _check_scene,
         },
@@ -115,8 +113,15 @@ def _form(document: Document, problems: Problems) -> tuple[list[Document], Itera
     return [document], map(finding_of, problems.all)
 
 
+def _check_experiment(path: Path) -> tuple[list[Document], Iterable[Finding]]:
+    from pirate_sm.lab.experiments.experiment_files import check_experiment
+
+    return _form(*check_experiment(path))
+
+
 def _check_scene(path: Path) -> tuple[list[Document], Iterable[Finding]]:
     from pirate_sm.cli.scene_steps import why_unplayable  # needs the parsers of all commands
+    from pirate_sm.lab.gallery.scene_file import HERE, OUT, check_scene
 
     folders = {OUT: path.parent / OUT, HERE: path.parent}
     return _form(*check_scene(path, lambda step: why_unplayable(step, folders)))

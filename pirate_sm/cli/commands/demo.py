@@ -12,17 +12,18 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
+from pirate_sm.checking.permissions import is_below
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.declaring import read_speed
 from pirate_sm.cli.options.running import DemoOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.terminal import columns_of, is_terminal, wrapped
 from pirate_sm.cli.scene_steps import simulating, why_refused, why_unplayable
-from pirate_sm.core.campaign import Scene, SceneStep
+from pirate_sm.core import library
 from pirate_sm.core.effects import PhaseChange
 from pirate_sm.core.errors import RecordingError, UsageError
-from pirate_sm.core.files import is_below, library
 from pirate_sm.core.visible import visible
+from pirate_sm.lab.campaign.campaign_model import Scene, SceneStep
 from pirate_sm.lab.experiments.needed_extras import is_missing
 from pirate_sm.lab.gallery.scene_file import (
     HERE,

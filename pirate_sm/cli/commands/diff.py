@@ -15,8 +15,9 @@ from pirate_sm.checking.mission_differences import Kind, MissionDifference, comp
 from pirate_sm.cli.options.checks import DiffOptions
 from pirate_sm.cli.options.declaring import read_settings
 from pirate_sm.cli.output.terminal import writable
+from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import library, shown
+from pirate_sm.core.library import shown
 from pirate_sm.core.loading import load_mission
 from pirate_sm.core.visible import visible
 

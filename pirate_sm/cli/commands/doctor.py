@@ -13,17 +13,12 @@ from pirate_sm.cli.options.declaring import read_duration
 from pirate_sm.cli.options.devices import DoctorOptions
 from pirate_sm.cli.output.doctor_tables import LiveTables, plain_text
 from pirate_sm.cli.output.terminal import agree, is_terminal
+from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import library
-from pirate_sm.core.loading import (
-    LoadedRobot,
-    load_robot,
-    newest_calibration,
-    summary,
-    with_zeros,
-)
+from pirate_sm.core.loading import LoadedRobot, load_robot
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.robot.backends.serial.assembly import STAY_S, guarded_port, read_plan
+from pirate_sm.robot.calibration_files import newest_calibration, summary, with_zeros
 from pirate_sm.robot.diagnosis.facts import DoctorFinding, ExpectedRobot, Facts
 from pirate_sm.robot.diagnosis.judgement import judged
 from pirate_sm.robot.diagnosis.listening import Listening

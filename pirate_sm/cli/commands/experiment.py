@@ -34,7 +34,7 @@ def run_experiment(options: ExperimentOptions) -> int:
     """
     places = [each for each in (options.output, options.csv) if each]
     refuse_losses(places, tables=[csv_line(_HEADER)], overwrite=options.overwrite)
-    from pirate_sm.core.files import library
+    from pirate_sm.core import library
     from pirate_sm.core.loading import load_robot
     from pirate_sm.lab.experiments.experiment_files import chosen, load_experiments
     from pirate_sm.lab.experiments.setups import compared

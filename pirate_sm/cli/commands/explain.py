@@ -8,9 +8,9 @@ from pirate_sm.checking import catalogue
 from pirate_sm.checking.reports.text import explained, listed
 from pirate_sm.cli.options.checks import ExplainOptions
 from pirate_sm.cli.output.terminal import writable
+from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import BUILT_IN_FAULTS
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.spelling import meant

@@ -12,7 +12,7 @@ from pirate_sm.cli.commands.replay import opened_recording, print_visible
 from pirate_sm.cli.options.recordings import ExportOptions
 from pirate_sm.cli.output.files import first_line, refuse_losses, write_file
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import shown
+from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.on_disk import is_there, take_place
 from pirate_sm.running.recording.read.reader import Recording

@@ -10,9 +10,10 @@ from typing import NamedTuple
 from pirate_sm.cli.options.declaring import read_settings
 from pirate_sm.cli.options.files import GraphOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file
+from pirate_sm.core import library
 from pirate_sm.core.documents import Document, Problems, read_document
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import PROFILE_FILE, library
+from pirate_sm.core.library import PROFILE_FILE
 from pirate_sm.core.loading import (
     ChartOutline,
     LoadedMission,

@@ -8,10 +8,8 @@ from pirate_sm.cli.options.files import ImportOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.documents import Problems, read_text
-from pirate_sm.core.files import shown
-from pirate_sm.core.loading import (
-    cached_table,
-)
+from pirate_sm.core.library import shown
+from pirate_sm.core.loading import cached_table
 from pirate_sm.core.visible import visible
 from pirate_sm.views.interchange.scxml_chart_reader import chart_text, read_chart
 

@@ -8,19 +8,19 @@ from typing import Any
 
 from pirate_sm.cli.options.files import ListOptions
 from pirate_sm.cli.output.terminal import columns_of, wrapped
-from pirate_sm.core.camera import Camera
+from pirate_sm.core import library
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.errors import PirateError
 from pirate_sm.core.expressions import EnumType, NumberType
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedRobot, load_robot, validate
 from pirate_sm.core.mission import Mission
 from pirate_sm.core.options import keys_of_defect
-from pirate_sm.core.panel import Panel
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.registry import Registry
 from pirate_sm.core.units import describe
 from pirate_sm.core.visible import visible
+from pirate_sm.robot.camera import Camera
+from pirate_sm.robot.control_panel.panel_file import Panel
 
 Row = Sequence[str]
 

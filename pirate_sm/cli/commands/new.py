@@ -8,7 +8,6 @@ from importlib import resources
 from pathlib import Path
 from string import Template
 
-from pirate_sm.checking.schema_files import MODELINE, mission_schema_text, schema_text
 from pirate_sm.cli.options.files import (
     NewCameraOptions,
     NewCampaignOptions,
@@ -17,9 +16,11 @@ from pirate_sm.cli.options.files import (
     NewPipeOptions,
     NewRobotOptions,
 )
+from pirate_sm.cli.schema_files import MODELINE, mission_schema_text, schema_text
+from pirate_sm.core import library
 from pirate_sm.core.documents import Problems
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import PROFILE_FILE, library
+from pirate_sm.core.library import PROFILE_FILE
 from pirate_sm.core.loading import (
     LoadedRobot,
     UndrivableError,

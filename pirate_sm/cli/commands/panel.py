@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.devices import PanelOptions
-from pirate_sm.core.files import library
-from pirate_sm.core.panel import Panel
+from pirate_sm.core import library
 from pirate_sm.core.visible import visible
-from pirate_sm.robot.control_panel.panel_file import read_panel
+from pirate_sm.robot.control_panel.panel_file import Panel, read_panel
 from pirate_sm.robot.control_panel.panel_reader import MidiSystem, open_device, read_device
 from pirate_sm.robot.control_panel.presses import (
     PRESSED,

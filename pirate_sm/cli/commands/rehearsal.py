@@ -13,7 +13,7 @@ from pirate_sm.core.effects import Effect, TriggerFired, WaitArmed
 from pirate_sm.core.engine import ROUNDING_S
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import Event
-from pirate_sm.core.files import shown
+from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Wait
 from pirate_sm.running.runtime.ending import SUCCEEDED, Stop, StopRequests

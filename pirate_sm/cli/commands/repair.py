@@ -8,7 +8,7 @@ from pathlib import Path
 from pirate_sm.cli.options.recordings import RepairOptions
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.errors import RecordingError, UsageError
-from pirate_sm.core.files import shown
+from pirate_sm.core.library import shown
 from pirate_sm.core.visible import visible
 from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.running.recording.read.repair import Repaired, is_whole, repair

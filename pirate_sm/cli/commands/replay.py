@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 from pirate_sm.cli.options.recordings import ReplayOptions
 from pirate_sm.cli.output.terminal import progress
+from pirate_sm.core import library
 from pirate_sm.core.effects import Effect, with_reason
 from pirate_sm.core.errors import RecordingError, UsageError
 from pirate_sm.core.events import Tick
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedMission, load_mission
 from pirate_sm.core.units import TIME, QuantityError, read_quantity
 from pirate_sm.core.visible import visible

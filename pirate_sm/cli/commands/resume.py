@@ -22,7 +22,7 @@ from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.options import OPTIONS
-from pirate_sm.core.program import HERE, Do, Program, Wait, successors
+from pirate_sm.core.program import HERE, Do, Program, Wait
 from pirate_sm.core.resuming import FAILURE, Reconciled, Resumption, VerdictTable
 from pirate_sm.core.robot import states_of
 from pirate_sm.core.visible import visible
@@ -135,7 +135,7 @@ def _next_commands(loaded: LoadedMission, it: Resumption) -> Iterator[str]:
         if isinstance(step, Do):
             found += 1
             yield loaded.robot.commands[step.command].name
-        at = next(iter(successors(program, at)), -1)
+        at = next(iter(program.successors(at)), -1)
 
 
 def _duration(seconds: float) -> str:

@@ -10,11 +10,9 @@ from pirate_sm.checking.findings import settle
 from pirate_sm.checking.robot.check_robot import robot_findings
 from pirate_sm.cli.options.files import RobotOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file
+from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import library
-from pirate_sm.core.loading import (
-    load_robot,
-)
+from pirate_sm.core.loading import load_robot
 from pirate_sm.core.visible import visible
 from pirate_sm.views.drawing.robot_page import html as as_html
 from pirate_sm.views.drawing.robot_page import markdown, robot_page

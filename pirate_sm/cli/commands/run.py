@@ -21,7 +21,7 @@ from pirate_sm.cli.people import People, open_panel, people_of
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.core.companion import Companion, entered
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import shown
+from pirate_sm.core.library import shown
 from pirate_sm.running.runtime.ending import (
     BUG,
     OUTPUT_LOST,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pirate_sm.checking.schema_files import mission_schema_text, schema_text
 from pirate_sm.cli.options.files import SchemaOptions
+from pirate_sm.cli.schema_files import mission_schema_text, schema_text
+from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot
 
 

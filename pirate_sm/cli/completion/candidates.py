@@ -18,8 +18,9 @@ from typing import Any, TypeAlias
 
 import typer
 
+from pirate_sm.core import library
 from pirate_sm.core.errors import PirateError, UsageError
-from pirate_sm.core.files import PROFILE_FILE, library
+from pirate_sm.core.library import PROFILE_FILE
 from pirate_sm.core.on_disk import is_file, is_folder, opened
 from pirate_sm.core.options import DEFECT_KEYS, keys_of_defect
 

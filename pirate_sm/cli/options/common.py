@@ -35,7 +35,7 @@ from pirate_sm.core.units import LENGTH
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
-    from pirate_sm.core.profile import Frozen
+    from pirate_sm.core.fields import Frozen
     from pirate_sm.running.runtime.scripted_events import Firing
 
     Choices = TypeVar("Choices", bound=Frozen)
@@ -50,7 +50,7 @@ def _print_version(wanted: bool) -> None:
 
         from pirate_sm.cli.output.event_lines import FORMAT as LINES
         from pirate_sm.core.events import ALPHABET_VERSION
-        from pirate_sm.core.profile import Format
+        from pirate_sm.core.fields import Format
         from pirate_sm.running.recording.format.header import FORMAT as RECORDING
 
         (number,) = get_args(get_args(Format)[0])
@@ -158,7 +158,7 @@ def values_of(written: Mapping[str, Any]) -> dict[str, Any]:
         if not option.key
     }
     if written.get("jitter"):
-        from pirate_sm.core.campaign import StartJitter
+        from pirate_sm.lab.campaign.campaign_model import StartJitter
 
         jitter = read_choices("--jitter", written["jitter"], StartJitter)
         found |= {each.name: getattr(jitter, each.key) for each in JITTER}
@@ -184,7 +184,7 @@ def read_choices(option: str, texts: Iterable[str], model: type[Choices]) -> Cho
     """
     from pydantic import ValidationError
 
-    from pirate_sm.core.quantities import FROM_FILE
+    from pirate_sm.core.fields import FROM_FILE
 
     pairs = read_pairs(option, texts, "NAME=VALUE")
     try:

@@ -7,7 +7,7 @@ way, the wait's triggers as listed, then time.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isnan
+from math import isnan, nan
 
 from pirate_sm.core._engine import inputs
 from pirate_sm.core._engine.consequences import settle
@@ -31,7 +31,7 @@ from pirate_sm.core._engine.sensing.signal_table import observe
 from pirate_sm.core._engine.sensing.traction import with_traction
 from pirate_sm.core._engine.state import OUTSIDE, EngineState, MissionState
 from pirate_sm.core._model import events
-from pirate_sm.core._model.effects import Effect
+from pirate_sm.core._model.effects import Effect, PhaseChange, Setpoints, StateChange
 
 Effects = tuple[Effect, ...]
 
@@ -235,6 +235,56 @@ class Engine:
             found |= dict.fromkeys(known, report)
         return found
 
+    def unproven(self, before: EngineState | None) -> EngineState:
+        """Return a state without a signal, in the states of before a gap of a recording.
+
+        Args:
+            before: The state before the gap; None if nothing was known then. None of its states is
+                confirmed.
+        """
+        robot, unknown = self.robot, (nan,) * len(self.robot.slots)
+        body = RobotState(self.program.start_configuration, unknown)
+        if before is not None:
+            was = before.robot
+            body = body._replace(configuration=was.configuration, control=was.control)
+        states = robot_state.states_of(robot, body)
+        body = _in_states(robot, body, StateChange(states, robot.regions))
+        sensing, mission = nothing_known(robot, blind=True), MissionState(self.program.start)
+        words = (*states, *(None for _ in OUTSIDE))
+        return EngineState(body, sensing, mission, no_faults(robot), words)
+
+    def listening_only(
+        self, state: EngineState, event: events.Event | None, effects: Sequence[Effect], at_s: float
+    ) -> EngineState:
+        """Return the state after a step before which steps are lost: what is recorded, signals.
+
+        The mission is not executed, as it may be elsewhere. NaN are signals that need what was
+        before, such as odometry.
+
+        Args:
+            state: The state before the step.
+            event: The event of the step; None if it had none.
+            effects: The recorded effects.
+            at_s: When it was.
+        """
+        robot = self.robot
+        for effect in effects:
+            if isinstance(effect, StateChange):
+                state = state.moved(robot, _in_states(robot, state.robot, effect))
+            elif isinstance(effect, Setpoints):
+                state = state._replace(robot=state.robot._replace(values=effect.values))
+            elif isinstance(effect, PhaseChange):
+                pc = self.program.enter(effect.phase)
+                pc = self.program.start if pc is None else pc
+                state = state._replace(mission=MissionState(pc))
+        if not isinstance(event, events.SensorFrame):
+            return state
+        values = state.robot.values
+        sensing, _ = observe(robot, state.sensing, event, values, values, at_s)
+        known = {number for board in robot.boards.values() for number in board.numbers}
+        numbers = (now if at in known else nan for at, now in enumerate(sensing.numbers))
+        return state._replace(sensing=sensing._replace(numbers=tuple(numbers)))
+
     def safe_values(self, state: EngineState) -> tuple[float, ...]:
         """Return the safe array, for use when the engine can make no further step."""
         return robot_state.safe_values(self.robot, state.robot, state.sensing.numbers)
@@ -243,6 +293,18 @@ class Engine:
         """Return the slots of the newest array whose loop leaves zero behind when it stops."""
         flight = state.robot.flight
         return state.robot.seeking if flight is None else flight.seeking
+
+
+def _in_states(robot: RobotSpec, body: RobotState, change: StateChange) -> RobotState:
+    """Return the robot in recorded states; a part may hold if a region of it is confirmed."""
+    here = robot.table.index_of(change.states)
+    if here is None:
+        return body
+    regions = {robot.regions.index(name) for name in change.unconfirmed}
+    parts = {part for part in robot.held[here] if robot.part_regions[part] <= regions}
+    marks = {robot_state.Mark("region", each, robot_state.DENIED) for each in regions}
+    marks |= {robot_state.Mark("part", each, robot_state.DENIED) for each in parts}
+    return body._replace(configuration=here, marks=frozenset(marks))
 
 
 def _take(moment: Moment, state: EngineState, event: events.Event) -> EngineState:

@@ -9,10 +9,8 @@ from pirate_sm.core._engine.mission import flow
 from pirate_sm.core._engine.mission.flow import meet
 from pirate_sm.core._engine.mission.program import Program, SwitchControl
 from pirate_sm.core._engine.moment import Moment
-from pirate_sm.core._engine.robot import command_outcome, commands, confirmation, setpoint_arrays
-from pirate_sm.core._engine.robot.criteria import StoppedSpec
+from pirate_sm.core._engine.robot import commands, setpoint_arrays
 from pirate_sm.core._engine.robot.loops import Circumstances, RunningTorqueLoop
-from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import Finished, RobotState
 from pirate_sm.core._engine.safety import start_check
 from pirate_sm.core._engine.safety.faults import (
@@ -289,7 +287,7 @@ def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> Engi
         reason = "impossible: there is no such command"
     else:
         state = flow.lapse_unheard(moment, state)
-        reason = why_not_command(moment.robot, state, index, at_once=event.at_once)
+        reason = state.why_not_command(moment.robot, index, at_once=event.at_once)
     if not 0 <= event.share <= 1:
         reason = reason or "impossible: the speed must be 0 to 100 %"
     if reason or index is None:
@@ -301,28 +299,3 @@ def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> Engi
         body = commands.fail(moment, body, flow.TAKEN_OVER)
     body = commands.begin(moment, body, state.sensing, index, None, "", share=event.share)
     return state._replace(robot=body)
-
-
-def why_not_command(
-    robot: RobotSpec, state: EngineState, index: int, *, at_once: bool = False
-) -> str:
-    """Return why a command of the operator would be refused now; empty if it would be accepted.
-
-    Args:
-        robot: The robot.
-        state: The engine's state.
-        index: The command, as an index into the chart's commands.
-        at_once: Whether it ends a drive that is under way, as in ``OperatorCommand``.
-    """
-    if state.mission.ended or state.mission.ending is not None:
-        return "impossible: the mission is ending"
-    if state.look is not None:
-        return f"impossible: {confirmation.LOOKING}"
-    motion, stops = state.robot.motion, isinstance(robot.commands[index].done, StoppedSpec)
-    if motion is not None and not state.mission.suspended:
-        drives = bool(robot.driven[motion.target])
-        if not (at_once and stops and drives) or motion.place:
-            return "impossible: another command is under way"
-    if state.robot.awaited is not None:
-        return "impossible: setpoints are in flight"
-    return command_outcome.refusal(robot, state.robot, index)

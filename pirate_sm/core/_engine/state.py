@@ -5,9 +5,11 @@ from __future__ import annotations
 from math import inf, isnan, nan
 from typing import NamedTuple
 
-from pirate_sm.core._engine.mission.program import HandlerSpec
+from pirate_sm.core._engine.mission.program import HandlerSpec, Program
 from pirate_sm.core._engine.records import often_replaced
-from pirate_sm.core._engine.robot.confirmation import Look
+from pirate_sm.core._engine.robot.command_outcome import refusal
+from pirate_sm.core._engine.robot.confirmation import LOOKING, Look
+from pirate_sm.core._engine.robot.criteria import StoppedSpec
 from pirate_sm.core._engine.robot.loops import Loops
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
@@ -241,3 +243,54 @@ class EngineState(NamedTuple):
             if not marks or all(mark.command != STOPPED for mark in marks):
                 return self.words
         return (*obeyed(robot, self.robot), *self.words[-len(OUTSIDE) :])
+
+    def why_not_command(self, robot: RobotSpec, index: int, *, at_once: bool = False) -> str:
+        """Return why a command of the operator would be refused now; empty if it would be accepted.
+
+        Args:
+            robot: The robot.
+            index: The command, as an index into the chart's commands.
+            at_once: Whether it ends a drive that is under way, as in ``OperatorCommand``.
+        """
+        mission, body = self.mission, self.robot
+        if mission.ended or mission.ending is not None:
+            return "impossible: the mission is ending"
+        if self.look is not None:
+            return f"impossible: {LOOKING}"
+        motion, stops = body.motion, isinstance(robot.commands[index].done, StoppedSpec)
+        if motion is not None and not mission.suspended:
+            drives = bool(robot.driven[motion.target])
+            if not (at_once and stops and drives) or motion.place:
+                return "impossible: another command is under way"
+        if body.awaited is not None:
+            return "impossible: setpoints are in flight"
+        return refusal(robot, body, index)
+
+    def why_not_on(self) -> str:
+        """Return why a paused mission cannot resume where it was; empty if it can, or runs."""
+        before, body = self.mission.before_pause, self.robot
+        if before is None:
+            return ""
+        if self.look is not None and self.look.before is not None:
+            return LOOKING
+        if body.awaited:
+            return "setpoints are in flight"
+        if body.configuration != before.configuration:
+            return "the configuration has been changed"
+        if body.motion is not None and not before.suspended:
+            return "a command is under way"
+        return ""
+
+    def why_not_to(self, program: Program, phase: str) -> str:
+        """Return why the mission cannot resume at this phase now; empty if it can."""
+        if program.enter(phase) is None:
+            return "the mission has no such phase"
+        if not self.mission.paused:
+            return "pause the mission first"
+        if self.look is not None:
+            return LOOKING
+        if self.robot.awaited is not None:
+            return "setpoints are in flight"
+        if self.robot.motion is not None and not self.mission.suspended:
+            return "a command is under way"
+        return ""

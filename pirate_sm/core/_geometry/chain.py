@@ -22,7 +22,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from math import asin, atan2, cos, inf, isnan, nan, sin, sqrt
 from typing import NamedTuple
 
@@ -116,11 +115,6 @@ class Chain:
         if isnan(rise):
             return nan
         return asin(max(-1.0, min(1.0, rise))) - atan2(across, along)
-
-
-def link_poses(places: Sequence[Place]) -> tuple[Pose, ...]:
-    """Return the pose of each link from the positions of the wheels."""
-    return tuple(Pose(ax, ay, atan2(ay - by, ax - bx)) for (ax, ay), (bx, by) in pairwise(places))
 
 
 # --- in space: two planar parts with a roll joint between them --------------------------------

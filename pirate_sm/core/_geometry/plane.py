@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from pirate_sm.core._geometry.network import Piece
 from pirate_sm.core._geometry.route import Route
-from pirate_sm.core._geometry.space import Place, Vector, combined, dot, scaled
+from pirate_sm.core._geometry.space import Place, Vector
 
 Walls: TypeAlias = tuple[tuple[Place, ...], tuple[Place, ...]]
 
@@ -98,54 +98,3 @@ def _overlap(one: Sequence[Place], other: Sequence[Place]) -> bool:
             if max(first) <= min(second) + 1e-12 or max(second) <= min(first) + 1e-12:
                 return False
     return True
-
-
-def nearest_on(line: Sequence[Place], place: Place) -> tuple[float, Place]:
-    """Return the distance of a point from a polyline, and the nearest point on it."""
-    return min(_nearest(one, other, place) for one, other in pairwise(line))
-
-
-def _nearest(one: Place, other: Place, place: Place) -> tuple[float, Place]:
-    dx, dy = other[0] - one[0], other[1] - one[1]
-    length = dx * dx + dy * dy
-    share = ((place[0] - one[0]) * dx + (place[1] - one[1]) * dy) / length if length else 0.0
-    share = min(1.0, max(0.0, share))
-    near = one[0] + share * dx, one[1] + share * dy
-    return ((place[0] - near[0]) ** 2 + (place[1] - near[1]) ** 2) ** 0.5, near
-
-
-# --- the planes of the two parts of a robot in space ------------------------------------------
-
-
-def part_normals(
-    route: Route, points: Sequence[Vector], rear: int, rolls_rad: Sequence[float]
-) -> tuple[Vector, Vector]:
-    """Return the unit normals of the front and of the rear part, square to the link between them.
-
-    Args:
-        route: The route through the pipes.
-        points: Position of each wheel in the frame of the drawing, m.
-        rear: Index of the first wheel of the rear part.
-        rolls_rad: Roll of the front and of the rear part against the frame of the pipe where the
-            link between them begins and ends.
-    """
-    ahead = unit(combined((1.0, points[rear - 1]), (-1.0, points[rear])))
-    front, behind = (
-        _square(route.frame_at(route.arc_of(points[wheel])).rolled(roll_rad).normal, ahead)
-        for wheel, roll_rad in zip((rear - 1, rear), rolls_rad, strict=True)
-    )
-    return front, behind
-
-
-def unit(vector: Vector) -> Vector:
-    """Return the vector with length 1."""
-    return scaled(dot(vector, vector) ** -0.5, vector)
-
-
-def _square(vector: Vector, ahead: Vector) -> Vector:
-    """Return the unit vector square to ``ahead`` that is nearest to a unit vector.
-
-    A pipe that turns by a right angle within the link leaves none; then it stays as it is.
-    """
-    across = combined((1.0, vector), (-dot(vector, ahead), ahead))
-    return unit(across) if dot(across, across) > 0.0 else vector

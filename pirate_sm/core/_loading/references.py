@@ -15,11 +15,11 @@ from contextvars import ContextVar
 from enum import StrEnum
 from pathlib import Path as FilePath
 
-from pirate_sm.core._loading import library
-from pirate_sm.core._loading.library import PROFILE_FILE
+from pirate_sm.core import library
 from pirate_sm.core._loading.problems import LoadError, Path, Problems
 from pirate_sm.core._loading.yaml.document import LARGEST_FILE, Document, read_document
 from pirate_sm.core.errors import PirateError, UsageError
+from pirate_sm.core.library import PROFILE_FILE
 from pirate_sm.core.on_disk import is_there, opened
 
 MISSION = ("mission", "robot", "start", "phases", "ends")

@@ -1,7 +1,7 @@
 """The base class of all models: they are frozen, and unknown keys are errors.
 
 The "Attributes" of a class's docstring are also the descriptions of its keys in editors, because
-:mod:`pirate_sm.checking.model_schema` copies them into the JSON Schemas.
+:mod:`pirate_sm.cli.model_schema` copies them into the JSON Schemas.
 """
 
 from __future__ import annotations
@@ -102,6 +102,8 @@ OR_ONE = (
 
 Format = Annotated[Literal[1], BeforeValidator(_no_truth)]
 """The version of a file's format."""
+
+Date = Annotated[str, StringConstraints(pattern=r"^\d{4}-\d{2}-\d{2}$")]
 
 Sign = Annotated[Literal[1, -1], BeforeValidator(_no_truth)]
 

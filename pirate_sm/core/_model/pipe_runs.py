@@ -42,6 +42,16 @@ TeeAngle = Annotated[Angle, AfterValidator(_square)]
 Roll = Annotated[Angle, within(180)]
 
 
+def _mm(length_m: float) -> str:
+    """Return a length in mm, or in m from 1 m on."""
+    return f"{length_m:.4g} m" if length_m >= 1.0 else f"{length_m * 1e3:.4g} mm"
+
+
+def _turn(angle_rad: float, roll_rad: float) -> str:
+    rolled = f" rolled {math.degrees(roll_rad):.4g}°" if roll_rad else ""
+    return f"{math.degrees(angle_rad):.4g}°{rolled}"
+
+
 class Straight(Frozen):
     """A straight of this length, measured along the axis to the intersection of the axes.
 
@@ -52,6 +62,11 @@ class Straight(Frozen):
 
     straight: Annotated[Length, Field(gt=0, le=100)]
     friction: Coefficients | None = None
+
+    @property
+    def words(self) -> str:
+        """Return it in a few words."""
+        return f"straight {_mm(self.straight)}"
 
     def in_space(self) -> space.Straight:
         """Return it as geometry."""
@@ -70,6 +85,11 @@ class Mitre(Frozen):
 
     mitre: Annotated[Angle, within(120)]
     roll: Roll = 0.0
+
+    @property
+    def words(self) -> str:
+        """Return it in a few words."""
+        return f"mitre {_turn(self.mitre, self.roll)}"
 
     def in_space(self) -> space.Mitre:
         """Return it as geometry."""
@@ -91,6 +111,11 @@ class Elbow(Frozen):
     roll: Roll = 0.0
     friction: Coefficients | None = None
 
+    @property
+    def words(self) -> str:
+        """Return it in a few words."""
+        return f"elbow {_turn(self.elbow, self.roll)}"
+
     def in_space(self) -> space.Elbow:
         """Return it as geometry."""
         return space.Elbow(self.elbow, self.radius, self.roll)
@@ -108,6 +133,11 @@ class Reducer(Frozen):
     reducer: Annotated[Length, Field(ge=0, le=100)]
     to: Annotated[Length, Field(gt=0, le=10)]
     friction: Coefficients | None = None
+
+    @property
+    def words(self) -> str:
+        """Return it in a few words."""
+        return f"reducer to {_mm(self.to)}"
 
     def in_space(self) -> space.Reducer:
         """Return it as geometry."""

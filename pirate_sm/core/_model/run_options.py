@@ -12,8 +12,7 @@ shows and records the number that was drawn. Files and Python may write a mappin
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field, fields, replace
 from math import inf, isfinite
 from os import PathLike
@@ -29,18 +28,13 @@ from typing import (
     get_type_hints,
 )
 
-from pirate_sm.core.errors import UsageError
-from pirate_sm.core.spelling import unknown
 from pirate_sm.core.units import (
     DIMENSIONLESS,
     LENGTH,
     TIME,
     TORQUE,
     Dimension,
-    Quantity,
-    QuantityError,
     format_quantity,
-    parse_quantity,
     read_quantity,
 )
 
@@ -401,61 +395,3 @@ def defect_as_text(written: object) -> object:
         return written
     pairs = [f"{key}={value}".replace(" ", "") for key, value in written.items() if key != "defect"]
     return f"{written['defect']}:{','.join(pairs)}" if pairs else written["defect"]
-
-
-def numbers_of_defect(text: str, kind: str) -> dict[str, str]:
-    """Return the numbers in the text of a defect, as they are written.
-
-    Raises:
-        UsageError: One has another form, is given twice, or is not one that the kind takes.
-    """
-    name, _, rest = text.partition(":")
-    numbers: dict[str, str] = {}
-    for each in filter(None, rest.split(",")):
-        key, given, value = (part.strip() for part in each.partition("="))
-        if not given or key in numbers:
-            fault = "given twice" if given else f"expected KEY=VALUE, got '{each}'"
-            raise UsageError(f"{name}: {key}: {fault}")
-        numbers[key] = value
-    if wrong := unknown(f"the defect {name} takes no number", numbers, keys_of_defect(kind)):
-        raise UsageError(wrong)
-    return numbers
-
-
-def number_of_defect(
-    key: str, written: str, measured: Sequence[Dimension], draw: Callable[[float, float], float]
-) -> tuple[Quantity, str]:
-    """Return a number and its text; for a range one that was drawn from it, to five digits.
-
-    Args:
-        key: Its name in ``KEYS``.
-        written: The number as it is written, ``2s`` or ``2s..20s``.
-        measured: Dimensions of the affected signals, not empty.
-        draw: Draws a number from a range.
-
-    Raises:
-        UsageError: It has another form or unit, or is out of bounds.
-    """
-    _, dimension, most = DEFECT_KEYS[key]
-    low, dots, high = written.partition("..")
-    expected = [dimension] if dimension else measured
-    least = _read_number(low, expected)
-    largest = _read_number(high, expected) if dots else least
-    if dimension and not (least.value >= 0 and largest.value <= most):
-        bound = f" and at most {format_quantity(most, dimension)}" if most < inf else ""
-        raise UsageError(f"expected at least 0{bound}, got '{written}'")
-    if largest.value < least.value or largest.dimension != least.dimension:
-        raise UsageError(f"expected a range from the smaller to the larger value, got '{written}'")
-    if not dots:
-        return least, written
-    unit = high.strip().lstrip("+-.0123456789eE ")
-    shown = f"{draw(least.value, largest.value) / parse_quantity(f'1{unit}').value:.5g}{unit}"
-    return _read_number(shown, expected), shown
-
-
-def _read_number(text: str, dimensions: Sequence[Dimension]) -> Quantity:
-    with suppress(QuantityError):
-        quantity = parse_quantity(text)
-        if quantity.dimension in dimensions:
-            return quantity
-    return Quantity(read_quantity(text, dimensions[0]), dimensions[0])  # says what is wrong

@@ -19,7 +19,7 @@ from pydantic_core import to_jsonable_python
 from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.gate import CheckError, all_pass_or_raise, pass_or_raise
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
-from pirate_sm.core.campaign import Campaign, Expectation, StoppingRule, TrueEnd
+from pirate_sm.core import library
 from pirate_sm.core.documents import (
     Document,
     FileKind,
@@ -32,11 +32,12 @@ from pirate_sm.core.documents import (
 )
 from pirate_sm.core.documents import Path as Keys
 from pirate_sm.core.errors import PirateError, UsageError
-from pirate_sm.core.files import library, shown
+from pirate_sm.core.fields import LONGEST_NAME
+from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission, references, try_validate
 from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.options import OPTIONS
-from pirate_sm.core.profile import LONGEST_NAME
+from pirate_sm.lab.campaign.campaign_model import Campaign, Expectation, StoppingRule, TrueEnd
 from pirate_sm.lab.campaign.intervals import wilson
 from pirate_sm.lab.campaign.named_parts import (
     Choices,

@@ -17,13 +17,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.core.campaign import TrueEnd
 from pirate_sm.core.documents import LoadError
 from pirate_sm.core.errors import BackendError, UsageError
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.options import JITTER
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.units import DIMENSIONLESS, LENGTH, parse_quantity, unit_of
+from pirate_sm.lab.campaign.campaign_model import TrueEnd
 from pirate_sm.lab.campaign.plan import code_version
 from pirate_sm.lab.campaign.watched_run import RunVerdict, judge, watched_run
 from pirate_sm.running.wiring import Order

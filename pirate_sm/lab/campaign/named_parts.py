@@ -14,19 +14,11 @@ from typing import Any, NamedTuple, TypeVar
 
 from pydantic import ValidationError
 
-from pirate_sm.core.campaign import (
-    Campaign,
-    CampaignMission,
-    DefectSet,
-    RunChoices,
-    Value,
-    ValueRange,
-    Values,
-)
+from pirate_sm.core import library
 from pirate_sm.core.documents import LoadError, Problems, Severity
 from pirate_sm.core.documents import Path as Keys
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import library
+from pirate_sm.core.fields import FROM_FILE
 from pirate_sm.core.loading import (
     TOLERABLE,
     LoadedMission,
@@ -39,9 +31,17 @@ from pirate_sm.core.loading import (
 from pirate_sm.core.on_disk import is_there
 from pirate_sm.core.options import OPTIONS
 from pirate_sm.core.profile import Profile
-from pirate_sm.core.quantities import FROM_FILE
 from pirate_sm.core.robot import ChartTable
 from pirate_sm.core.units import QuantityError, format_quantity
+from pirate_sm.lab.campaign.campaign_model import (
+    Campaign,
+    CampaignMission,
+    DefectSet,
+    RunChoices,
+    Value,
+    ValueRange,
+    Values,
+)
 from pirate_sm.robot.camera_file import opened_by
 from pirate_sm.robot.detectors.registry import DETECTORS
 from pirate_sm.running.wiring import Order

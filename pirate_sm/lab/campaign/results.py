@@ -11,9 +11,9 @@ from statistics import median
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from pirate_sm.core.campaign import Expectation
 from pirate_sm.core.on_disk import is_there
 from pirate_sm.core.visible import visible
+from pirate_sm.lab.campaign.campaign_model import Expectation
 from pirate_sm.lab.campaign.conductor import recording_name
 from pirate_sm.lab.campaign.intervals import wilson
 from pirate_sm.lab.campaign.plan import CampaignPlan, command_of

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from math import isnan
 from typing import Literal
 
-from pirate_sm.core.campaign import StoppingRule
+from pirate_sm.lab.campaign.campaign_model import StoppingRule
 from pirate_sm.lab.campaign.chunk import Factor, RunRow, factors_of
 from pirate_sm.lab.campaign.intervals import Interval, fisher_exact, mcnemar_exact, wilson
 from pirate_sm.lab.campaign.plan import Cell

@@ -8,10 +8,10 @@ from math import nan
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, cast
 
-from pirate_sm.core.campaign import TrueEnd
 from pirate_sm.core.companion import entered
 from pirate_sm.core.effects import Detected, Effect, Fault, Setpoints, StateChange
 from pirate_sm.core.errors import UsageError
+from pirate_sm.lab.campaign.campaign_model import TrueEnd
 from pirate_sm.robot.detectors.word_timing import words_of
 from pirate_sm.running.runtime.ending import BUG
 from pirate_sm.running.runtime.loop import MissionRun

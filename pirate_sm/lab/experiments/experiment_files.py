@@ -9,10 +9,11 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TypeAlias
 
+from pirate_sm.core import library
 from pirate_sm.core.documents import Document, LoadError, Problems, read_document
 from pirate_sm.core.documents import Path as At
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import PROFILE_FILE, library
+from pirate_sm.core.library import PROFILE_FILE
 from pirate_sm.core.loading import LoadedRobot, load_robot, validate
 from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.spelling import nearest, one_of

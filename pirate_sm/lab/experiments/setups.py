@@ -9,9 +9,18 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from pirate_sm.core.profile import Format, Frozen, Name
-from pirate_sm.core.quantities import Angle, Count, Duration, Length, Number, Speed
-from pirate_sm.core.quantities import quantities as si
+from pirate_sm.core.fields import (
+    Angle,
+    Count,
+    Duration,
+    Format,
+    Frozen,
+    Length,
+    Name,
+    Number,
+    Speed,
+)
+from pirate_sm.core.fields import quantities as si
 from pirate_sm.core.simulation import DefectText, Friction
 from pirate_sm.core.units import parse_unit
 from pirate_sm.views.drawing.svg.plot import Plot

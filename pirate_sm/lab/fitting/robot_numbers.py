@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pirate_sm.core.events import SensorFrame
 from pirate_sm.core.profile import Motor, Profile, Slot
 from pirate_sm.core.profile import signals as kinds
-from pirate_sm.core.sensing import TractionSpec, WheelTraction, with_traction
+from pirate_sm.core.sensing import with_traction
 from pirate_sm.lab.fitting.measurements import (
     Columns,
     Estimate,
@@ -178,7 +178,11 @@ def signals_with(path: Path, motors: Mapping[str, Motor]) -> Columns | None:
         if spec is None:
             return None
         robot, origin_s = loaded.robot, recording.origin_s
-        motors_spec = _traction_with_motors(spec, loaded.loaded_robot.profile, motors)
+        slots = enumerate(loaded.loaded_robot.profile.slots)
+        known = {n: motors[slot.motor] for n, slot in slots if slot.motor in motors}
+        motors_spec = spec.with_motors(
+            {n: (motor.stall_torque, motor.no_load_speed) for n, motor in known.items()}
+        )
         slipping, after_gaps = None, {gap.step for gap in recording.gaps}
         for each in rerun(recording, loaded):
             state, event = each.state, each.step.event
@@ -198,21 +202,6 @@ def signals_with(path: Path, motors: Mapping[str, Motor]) -> Columns | None:
     names = (TIME, *robot.vocabulary.numbers)
     values = np.array(rows, dtype=np.float64).reshape(len(rows), len(names))
     return dict(zip(names, values.T, strict=True))
-
-
-def _traction_with_motors(
-    spec: TractionSpec, profile: Profile, motors: Mapping[str, Motor]
-) -> TractionSpec:
-    """Return the traction of a robot that reckons with these motors."""
-
-    def changed(wheel: WheelTraction) -> WheelTraction:
-        motor = motors[profile.slots[wheel.slot].motor]
-        stall, no_load = motor.stall_torque, motor.no_load_speed
-        return wheel._replace(
-            stall_nm=stall or wheel.stall_nm, no_load_rad_s=no_load or wheel.no_load_rad_s
-        )
-
-    return spec._replace(wheels=tuple(map(changed, spec.wheels)))
 
 
 # --- numbers -------------------------------------------------------------------------------------

@@ -8,10 +8,10 @@ from html import escape
 from pathlib import Path
 from urllib.parse import quote
 
-from pirate_sm.core.campaign import Expected, Scene, TrueEnd
 from pirate_sm.core.effects import Setpoints
 from pirate_sm.core.errors import PirateError
 from pirate_sm.core.simulation import SIMULATORS
+from pirate_sm.lab.campaign.campaign_model import Expected, Scene, TrueEnd
 from pirate_sm.lab.campaign.watched_run import judge, watched_run
 from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission, recorded_robot

@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TypeAlias
 
-from pirate_sm.core.campaign import Scene, SceneStep
 from pirate_sm.core.documents import Document, Problems, read_document
 from pirate_sm.core.documents import problems as found
 from pirate_sm.core.loading import validate
+from pirate_sm.lab.campaign.campaign_model import Scene, SceneStep
 
 OUT, HERE = "out", "here"
 RECORD = "--record"

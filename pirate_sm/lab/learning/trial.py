@@ -16,15 +16,14 @@ from typing import NamedTuple
 
 from pirate_sm.api.arguments import is_number, path_of, prepared
 from pirate_sm.api.stepping import abandoned_on_error
+from pirate_sm.core import library
 from pirate_sm.core.companion import entered
 from pirate_sm.core.effects import CommandStatus, Effect, Ended, Fault
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import OperatorCommand
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedMission, by_hand, load_mission, load_pipe, load_robot
 from pirate_sm.core.options import OPTIONS, Options
-from pirate_sm.core.program import why_not_command
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.sensing import Numbers
 from pirate_sm.lab.learning.rewards import Outcome, StepMoment
@@ -126,7 +125,7 @@ class Trial:
     def refusals(self) -> list[str]:
         """Return for each command why it would be refused now; empty where it would be taken."""
         state = self._state
-        return [why_not_command(self.robot, state, i) for i in range(len(self.robot.commands))]
+        return [state.why_not_command(self.robot, i) for i in range(len(self.robot.commands))]
 
     def command(self, index: int) -> StepOutcome:
         """Give a command and let time pass until it is done or has failed, or there is a fault.

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from math import acos, cos, nan, radians, sin
 from typing import NamedTuple
 
+from pirate_sm.core.engine import RobotLook
 from pirate_sm.core.geometry import Frame, Vector, between, combined, crossed, dot, scaled
-from pirate_sm.core.sensing import BodySpec, axis_at, axis_of, meeting, plane_of, wheel_at
+from pirate_sm.core.sensing import BodySpec
+from pirate_sm.lab.mapping.axes import axis_at, axis_of, meeting, plane_of, wheel_at
 from pirate_sm.lab.mapping.legs import MappedBend
-from pirate_sm.lab.mapping.looks import RobotLook
 
 # --- how legs meet -------------------------------------------------------------------------------
 # Both ways need one part that lies along its leg: its axis. ``leads`` is 1 where the front part

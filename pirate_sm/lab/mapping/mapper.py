@@ -23,11 +23,13 @@ from collections.abc import Collection, Iterator, Sequence
 from itertools import takewhile
 from math import copysign, inf, isfinite, isnan, nan, pi, radians, remainder
 
+from pirate_sm.core.engine import RobotLook
 from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.events import Observation
 from pirate_sm.core.geometry import Frame, between, dot
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.core.sensing import WHOLE, axis_at
+from pirate_sm.core.sensing import WHOLE
+from pirate_sm.lab.mapping.axes import axis_at
 from pirate_sm.lab.mapping.bend_angles import (
     ReachedBend,
     angle_between,
@@ -39,7 +41,7 @@ from pirate_sm.lab.mapping.bend_angles import (
     reached,
 )
 from pirate_sm.lab.mapping.legs import STEP, Bore, Leg, Map, MappedBend, feel_angles, round_elbows
-from pirate_sm.lab.mapping.looks import JointEnd, RobotLook, WordPlace, WordReader, looks
+from pirate_sm.lab.mapping.looks import JointEnd, WordPlace, WordReader, looks
 from pirate_sm.lab.mapping.places import (
     ALONG_RAD,
     Anchor,

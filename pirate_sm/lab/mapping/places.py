@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from math import isnan, nan, pi, radians, remainder
 from typing import NamedTuple
 
+from pirate_sm.core.engine import RobotLook
 from pirate_sm.core.geometry import Frame, between, dot
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.core.sensing import WHOLE, BodySpec, axis_at, axis_of, wheel_at
+from pirate_sm.core.sensing import WHOLE, BodySpec
+from pirate_sm.lab.mapping.axes import axis_at, axis_of, wheel_at
 from pirate_sm.lab.mapping.bend_angles import angle_between, outermost
 from pirate_sm.lab.mapping.legs import Map, middle
-from pirate_sm.lab.mapping.looks import RobotLook
 from pirate_sm.robot.detectors.odometry import Odometer
 
 # --- spots ---------------------------------------------------------------------------------------
@@ -186,7 +187,7 @@ class _Rolled:
 
     def since_last(self, look: RobotLook) -> float:
         """Return what they have rolled since it was asked last, m."""
-        counts = [look.travelled(odometer, wheels) for odometer, wheels in self._groups]
+        counts = [each.look(look.state, look.at_s, wheels) for each, wheels in self._groups]
         before_m, self._last_m = self._last_m, sum(counts) / len(counts)
         return self._last_m - before_m
 

@@ -34,7 +34,8 @@ from pirate_sm.core.events import (
     Skip,
     Step,
 )
-from pirate_sm.core.panel import (
+from pirate_sm.core.robot import RobotSpec, lets_all_go
+from pirate_sm.robot.control_panel.panel_file import (
     AnswerButton,
     CommandButton,
     Panel,
@@ -42,7 +43,6 @@ from pirate_sm.core.panel import (
     RunButton,
     WordButton,
 )
-from pirate_sm.core.robot import RobotSpec, lets_all_go
 from pirate_sm.robot.control_panel.presses import (
     TWICE_WITHIN_S,
     ControlChangeParser,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import NamedTuple, assert_never
 
-from pirate_sm.core.panel import panel as kinds
+from pirate_sm.robot.control_panel import panel_file as kinds
 
 # --- MIDI -----------------------------------------------------------------------------------------
 

@@ -33,7 +33,6 @@ from pirate_sm.core.geometry import (
     DRAWING,
     ChainInSpace,
     Place,
-    Room,
     Route,
     Vector,
     dot,
@@ -42,6 +41,7 @@ from pirate_sm.core.geometry import (
     turned,
 )
 from pirate_sm.core.sensing import WHOLE, BodySpec
+from pirate_sm.robot.detectors.room import Room
 
 # --- walls ----------------------------------------------------------------------------------------
 

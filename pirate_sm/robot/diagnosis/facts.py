@@ -8,19 +8,10 @@ from math import inf, isfinite, isnan, nan
 from typing import Any, Literal, NamedTuple
 
 from pirate_sm.core import units
-from pirate_sm.core.events import BuiltInFault, SensorFrame
+from pirate_sm.core.events import SensorFrame
 from pirate_sm.core.profile import Board, Profile
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.core.sensing import (
-    Reading,
-    WatchedSpec,
-    WatchSpec,
-    measured,
-    nothing_known,
-    sift,
-    signal_table,
-    unseen,
-)
+from pirate_sm.core.sensing import FrameJudge
 from pirate_sm.core.units import Dimension
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
 
@@ -246,21 +237,12 @@ def _plain(value: Any) -> Any:
 
 
 class ChannelRecord:
-    """The values of one channel.
+    """The values of one channel, whose index in the frame of its board is ``place``."""
 
-    Args:
-        robot: The robot with the channel.
-        place: Index of the channel in the frame of its board.
-        watch: The sensor's limits; None if it has none.
-    """
-
-    def __init__(self, robot: RobotSpec, place: int, watch: WatchSpec | None) -> None:
-        self._robot, self._place = robot, place
-        self._watched = WatchedSpec(() if watch is None else (watch,))
-        self._record = unseen(self._watched)
+    def __init__(self, place: int) -> None:
+        self._place = place
         self.last, self.least, self.most = nan, inf, -inf
         self.count, self._run, self.longest_run = 0, 0, 0
-        self.outside = ""
         self._sum = 0.0
 
     def take(self, frame: SensorFrame) -> None:
@@ -275,24 +257,10 @@ class ChannelRecord:
         self.count += 1
         self._sum += value
 
-    def judge(self, numbers: list[float], reading: Reading) -> None:
-        """Compare the converted value with the sensor's limits."""
-        self._record, reports = sift(
-            self._robot.plausibility, self._watched, self._record, numbers, reading
-        )
-        for report in reports:
-            if report.code == BuiltInFault.SENSOR_RANGE.code:
-                self.outside = report.message
-
     @property
     def mean(self) -> float:
         """Mean of the values; NaN if none came."""
         return self._sum / self.count if self.count else nan
-
-    @property
-    def spikes(self) -> int:
-        """Number of spikes that the engine would have hidden."""
-        return sum(channel.hidden for channel in self._record.channels)
 
 
 class BoardRecord:
@@ -301,15 +269,8 @@ class BoardRecord:
     def __init__(self, subject: ExpectedRobot, board: Board, began_s: float) -> None:
         robot = subject.robot
         self.board = board
-        self._spec = robot.boards.get(board.id)
-        places = {number: place for place, number, _ in self._spec.channels} if self._spec else {}
-        watched = self._spec.watched.sensors if self._spec else ()
-        limits = {places[watch.number]: watch for watch in watched}
-        self.channels = tuple(
-            ChannelRecord(robot, place, limits.get(place)) for place in range(len(board.channels))
-        )
-        self._robot = robot
-        self._cells = signal_table(robot).cells(nothing_known(robot))
+        self.judge = FrameJudge(robot, board.id) if board.id in robot.boards else None
+        self.channels = tuple(map(ChannelRecord, range(len(board.channels))))
         self._period_s = robot.link.period_s
         self.frames = 0
         self._heard_s = began_s
@@ -322,13 +283,8 @@ class BoardRecord:
         self._gap_s = max(self._gap_s, elapsed_s)
         for channel in self.channels:
             channel.take(frame)
-        if self._spec is None:
-            return
-        cells = measured(self._robot, frame, self._cells)
-        reading = Reading(self._cells, max(elapsed_s, self._period_s), now)
-        for channel in self.channels:
-            channel.judge(cells, reading)
-        self._cells = cells
+        if self.judge is not None:
+            self.judge.take(frame, max(elapsed_s, self._period_s), now)
 
     def gap_s(self, now: float) -> float:
         """Return the longest time without a frame, until now."""
@@ -385,10 +341,7 @@ class Records:
     def _channels(self, record: BoardRecord) -> tuple[ChannelFact, ...]:
         meaning = meanings(self._subject, record.board.id)
         return tuple(
-            _fact(channel.name, channel.signal or "", counted, meaning.get(place))
-            for place, (channel, counted) in enumerate(
-                zip(record.board.channels, record.channels, strict=True)
-            )
+            _fact(record, place, meaning.get(place)) for place in range(len(record.channels))
         )
 
 
@@ -409,7 +362,9 @@ def meanings(subject: ExpectedRobot, board: int) -> dict[int, Meaning]:
     return found
 
 
-def _fact(name: str, signal: str, record: ChannelRecord, meaning: Meaning | None) -> ChannelFact:
+def _fact(board: BoardRecord, place: int, meaning: Meaning | None) -> ChannelFact:
+    record, judge = board.channels[place], board.judge
+    name, signal = board.board.channels[place].name, board.board.channels[place].signal or ""
     if not record.count:
         return ChannelFact(name, signal, None, None, None, None, "")
     value, text = None, ""
@@ -417,6 +372,7 @@ def _fact(name: str, signal: str, record: ChannelRecord, meaning: Meaning | None
         scale, zero, dimension = meaning
         value = record.last * scale - zero
         text = shown(value, dimension)
+    outside = judge.outside.get(place) if judge is not None else None
     return ChannelFact(
         name,
         signal,
@@ -425,7 +381,7 @@ def _fact(name: str, signal: str, record: ChannelRecord, meaning: Meaning | None
         record.most,
         value,
         text,
-        record.spikes,
+        judge.spikes(place) if judge is not None else 0,
         record.longest_run,
-        (record.outside,) if record.outside else (),
+        (outside,) if outside else (),
     )

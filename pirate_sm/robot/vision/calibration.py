@@ -17,8 +17,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from pirate_sm.core.camera import FEWEST_POINTS, Camera, CameraPose, FrameSize, Lens
 from pirate_sm.core.errors import UsageError, not_installed
+from pirate_sm.robot.camera import FEWEST_POINTS, Camera, CameraPose, FrameSize, Lens
 from pirate_sm.robot.vision.opencv import Floats, Frame
 from pirate_sm.robot.vision.projection import (
     LensModel,

@@ -6,9 +6,9 @@ from glob import glob
 from pathlib import Path
 from typing import Any, Protocol
 
-from pirate_sm.core import camera as kinds
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.on_disk import is_file
+from pirate_sm.robot import camera as kinds
 from pirate_sm.robot.vision.opencv import Frame, cv2
 
 _OPEN_MS, _READ_MS = 4000, 2000

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pirate_sm.core.camera import CameraPose, FrameSize, Lens
+from pirate_sm.robot.camera import CameraPose, FrameSize, Lens
 from pirate_sm.robot.vision.opencv import Flags, Floats, Frame, cv2
 
 # --- the lens -------------------------------------------------------------------------------------

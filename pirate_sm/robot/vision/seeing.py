@@ -16,9 +16,9 @@ from zlib import crc32
 
 import numpy as np
 
-from pirate_sm.core.camera import Camera, FrameSize, MarkedRobot, Marker, RobotTags
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import SeenMark, Sighting
+from pirate_sm.robot.camera import Camera, FrameSize, MarkedRobot, Marker, RobotTags
 from pirate_sm.robot.vision.opencv import Floats, Frame, Gray, cv2
 from pirate_sm.robot.vision.projection import (
     LensModel,

@@ -18,10 +18,10 @@ from pathlib import Path
 from random import Random
 from threading import Event, Lock, Thread
 
-from pirate_sm.core import camera as kinds
-from pirate_sm.core.camera import Camera, CameraSource
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import Sighting
+from pirate_sm.robot import camera as kinds
+from pirate_sm.robot.camera import Camera, CameraSource
 from pirate_sm.robot.detectors.vision_detector import SightingSource
 from pirate_sm.robot.vision.captures import Capture, first_frame, open_capture
 from pirate_sm.robot.vision.opencv import Frame, cv2

@@ -11,7 +11,10 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from pirate_sm.core.camera import (
+from pirate_sm.core.geometry import Place, Route, inner_corner
+from pirate_sm.core.geometry import walls as walls_of
+from pirate_sm.core.profile import Body
+from pirate_sm.robot.camera import (
     Camera,
     FrameSize,
     Imperfections,
@@ -22,9 +25,6 @@ from pirate_sm.core.camera import (
     SyntheticView,
     TagFamily,
 )
-from pirate_sm.core.geometry import Place, Route, inner_corner
-from pirate_sm.core.geometry import walls as walls_of
-from pirate_sm.core.profile import Body
 from pirate_sm.robot.vision.opencv import Floats, Frame, cv2
 from pirate_sm.robot.vision.projection import View, raised
 from pirate_sm.robot.vision.targets import tag_cells, tag_corners

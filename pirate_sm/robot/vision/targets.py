@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from pirate_sm.core.camera import TagFamily
+from pirate_sm.robot.camera import TagFamily
 from pirate_sm.robot.vision.opencv import Floats, Frame, Gray, cv2
 
 # --- tags -----------------------------------------------------------------------------------------

@@ -12,16 +12,10 @@ from typing import Any
 
 from pirate_sm.core.documents import Document, LoadError, parse_document
 from pirate_sm.core.errors import RecordingError, UsageError
-from pirate_sm.core.loading import (
-    LoadedMission,
-    LoadedRobot,
-    load_mission,
-    load_robot,
-    with_fitted,
-    with_zeros,
-)
+from pirate_sm.core.loading import LoadedMission, LoadedRobot, load_mission, load_robot, with_fitted
 from pirate_sm.core.program import Wait
 from pirate_sm.core.robot import RobotSpec
+from pirate_sm.robot.calibration_files import with_zeros
 from pirate_sm.running.recording.format.header import RecordedFile, RunHeader
 from pirate_sm.running.recording.format.json_values import resumption_from_text
 

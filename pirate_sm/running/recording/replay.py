@@ -5,15 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isnan, nan
+from math import inf, isnan
 from typing import Any, NamedTuple
 
-from pirate_sm.core.effects import Effect, PhaseChange, Setpoints, StateChange
-from pirate_sm.core.engine import OUTSIDE, Engine, EngineState, MissionState
+from pirate_sm.core.effects import Effect
+from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.events import SensorFrame, SignalReport
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.robot import DENIED, Mark, RobotSpec, RobotState, no_faults, states_of
-from pirate_sm.core.sensing import nothing_known, observe
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.pieces import Checkpoint, Gap, RecordedStep
 from pirate_sm.running.recording.read.reader import Recording
@@ -138,9 +136,9 @@ def rerun_steps(
     for step in steps:
         effects = step.effects
         if step.number in after_gaps:
-            is_lost, state = True, _unproven(engine, state)
+            is_lost, state = True, engine.unproven(state)
         if is_lost and state is not None:
-            state = step.state or _looking_only(state, engine, step)
+            state = step.state or engine.listening_only(state, step.event, step.effects, step.at_s)
             is_lost = step.state is None
         elif step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport):
             seen.append(step.event)
@@ -151,62 +149,6 @@ def rerun_steps(
         elif step.by == "engine" and state is not None and step.event is not None:
             state, effects = engine.step(state, step.event, step.at_s)
         yield Rerun(step, state, effects, step.at_s - origin_s)
-
-
-def _unproven(engine: Engine, before: EngineState | None) -> EngineState:
-    """Return a state without a signal, in the states of before a gap, of which none is confirmed.
-
-    Args:
-        engine: The engine.
-        before: The state before the gap; None if nothing was known then.
-    """
-    robot, unknown = engine.robot, (nan,) * len(engine.robot.slots)
-    body = RobotState(engine.program.start_configuration, unknown)
-    if before is not None:
-        body = body._replace(configuration=before.robot.configuration, control=before.robot.control)
-    states = states_of(robot, body)
-    body = _in_states(robot, body, StateChange(states, robot.regions))
-    sensing, mission = nothing_known(robot, blind=True), MissionState(engine.program.start)
-    return EngineState(
-        body, sensing, mission, no_faults(robot), (*states, *(None for _ in OUTSIDE))
-    )
-
-
-def _in_states(robot: RobotSpec, body: RobotState, change: StateChange) -> RobotState:
-    """Return the robot in recorded states; a part may hold if a region of it is confirmed."""
-    here = robot.table.index_of(change.states)
-    if here is None:
-        return body
-    regions = {robot.regions.index(name) for name in change.unconfirmed}
-    parts = {part for part in robot.held[here] if robot.part_regions[part] <= regions}
-    marks = {Mark("region", each, DENIED) for each in regions}
-    marks |= {Mark("part", each, DENIED) for each in parts}
-    return body._replace(configuration=here, marks=frozenset(marks))
-
-
-def _looking_only(state: EngineState, engine: Engine, step: RecordedStep) -> EngineState:
-    """Return the state after a step whose earlier steps are lost: what is recorded, and signals.
-
-    The mission is not executed, as it may be elsewhere. NaN are signals that need what was before,
-    such as odometry.
-    """
-    robot = engine.robot
-    for effect in step.effects:
-        if isinstance(effect, StateChange):
-            state = state.moved(robot, _in_states(robot, state.robot, effect))
-        elif isinstance(effect, Setpoints):
-            state = state._replace(robot=state.robot._replace(values=effect.values))
-        elif isinstance(effect, PhaseChange):
-            pc = engine.program.enter(effect.phase)
-            pc = engine.program.start if pc is None else pc
-            state = state._replace(mission=MissionState(pc))
-    if not isinstance(step.event, SensorFrame):
-        return state
-    values = state.robot.values
-    sensing, _ = observe(robot, state.sensing, step.event, values, values, step.at_s)
-    known = {number for board in robot.boards.values() for number in board.numbers}
-    numbers = (now if at in known else nan for at, now in enumerate(sensing.numbers))
-    return state._replace(sensing=sensing._replace(numbers=tuple(numbers)))
 
 
 def replay(

@@ -13,7 +13,7 @@ from pirate_sm.core import effects as fx
 from pirate_sm.core.effects import EFFECT_TABLES
 from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.events import SensorFrame
-from pirate_sm.core.files import shown
+from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.running.recording.format.engine_topics import Placed

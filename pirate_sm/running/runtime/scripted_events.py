@@ -28,9 +28,9 @@ from pirate_sm.core.events import (
     SubmitStatus,
     Tick,
 )
-from pirate_sm.core.mission import Happening
 from pirate_sm.core.program import Program, Question, Wait
 from pirate_sm.core.robot import RobotSpec
+from pirate_sm.robot.backends.trace_script import Happening
 
 # --- answers --------------------------------------------------------------------------------------
 

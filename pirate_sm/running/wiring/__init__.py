@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 
+from pirate_sm.core import library
 from pirate_sm.core.documents import Document, read_document
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.errors import Hint, UsageError
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedMission, holding_in, load_mission
 from pirate_sm.core.options import OPTIONS, OTHERS
 from pirate_sm.core.program import Wait

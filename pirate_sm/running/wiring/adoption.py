@@ -16,14 +16,7 @@ from pirate_sm.core.engine import Engine
 from pirate_sm.core.errors import BackendError, UsageError
 from pirate_sm.core.events import Event, FaultReport, SensorFrame, SubmitResult
 from pirate_sm.core.loading import BY_HAND, LoadedMission
-from pirate_sm.core.resuming import (
-    Reconciled,
-    VerdictTable,
-    adoptable,
-    reconcile,
-    shown_instead,
-    unknowns,
-)
+from pirate_sm.core.resuming import Reconciled, VerdictTable, adoptable, reconcile, unknowns
 from pirate_sm.core.robot import known_values
 from pirate_sm.robot.backends.protocol import Backend
 from pirate_sm.robot.detectors.registry import speaks_of_bends
@@ -137,7 +130,7 @@ def look_at(prepared: Prepared, check: Callable[[], None], before: Stands | None
     shows = reconcile(
         *(loaded.robot, loaded.program, known, seen.frames, seen.now_s, 0.0), found=found
     )
-    return Stands(seen, shows, shown_instead(loaded.robot, shows))
+    return Stands(seen, shows, shows.shown_instead(loaded.robot))
 
 
 def adopt(prepared: Prepared, stands: Stands, table: VerdictTable) -> tuple[Prepared, Resuming]:

@@ -12,27 +12,22 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pirate_sm.core.campaign import LineFaults
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.errors import Hint, UsageError, not_installed
-from pirate_sm.core.loading import (
-    LoadedMission,
-    newest_calibration,
-    simulated_profile,
-    summary,
-    trace_script,
-    with_zeros,
-)
-from pirate_sm.core.mission import Happening
+from pirate_sm.core.loading import LoadedMission, simulated_profile
 from pirate_sm.core.options import JITTER, written
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.program import Wait
 from pirate_sm.core.registry import Plugin
 from pirate_sm.core.robot import at_rest_in
+from pirate_sm.core.simulation import LineFaults
 from pirate_sm.core.spelling import unknown
 from pirate_sm.core.units import DIMENSIONLESS, LENGTH
 from pirate_sm.robot import part_names
+from pirate_sm.robot.backends import trace_script
 from pirate_sm.robot.backends.trace import IDEAL, SCRIPTED, TraceBackend, Verdicts
+from pirate_sm.robot.backends.trace_script import Happening, resolve_course
+from pirate_sm.robot.calibration_files import newest_calibration, summary, with_zeros
 from pirate_sm.robot.detectors.registry import Places
 from pirate_sm.robot.detectors.simple_detectors import Ruler
 from pirate_sm.running.runtime.backend_links import Holder, Messenger, SlideWatch
@@ -344,7 +339,7 @@ def _course(order: Order, loaded: LoadedMission) -> Equipment:
     """Return a trace that plays an event sequence."""
     if order.firings:
         raise UsageError("an event sequence cannot be combined with triggers to fire")
-    events = trace_script.resolve_course(order.course, loaded.robot)
+    events = resolve_course(order.course, loaded.robot)
     names = [each.report for each in events if each.happening.happens == "start" and each.report]
     later = [each for each in events if each.happening.happens != "start"]
     verdicts = Verdicts(scripted=True)

@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from pirate_sm.core.campaign import LineFaults
+from pirate_sm.core import library
 from pirate_sm.core.companion import Companion
 from pirate_sm.core.engine import Engine
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedMission, LoadedRobot
-from pirate_sm.core.mission import Happening
 from pirate_sm.core.options import GivenOptions
-from pirate_sm.core.panel import Panel
-from pirate_sm.core.simulation import InSpace, Truth
-from pirate_sm.robot.control_panel.panel_file import load_panel
+from pirate_sm.core.simulation import InSpace, LineFaults, Truth
+from pirate_sm.robot.backends.trace_script import Happening
+from pirate_sm.robot.control_panel.panel_file import Panel, load_panel
 from pirate_sm.robot.control_panel.panel_reader import EndRun, PanelReader
 from pirate_sm.robot.detectors.registry import NOBODY, Detecting, Places
 from pirate_sm.robot.detectors.vision_detector import CameraView

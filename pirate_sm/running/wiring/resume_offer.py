@@ -16,23 +16,20 @@ from pirate_sm.checking.resume_forecast import Forecast, forecast
 from pirate_sm.core.effects import Ended
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import BackendError, RecordingError, UsageError
-from pirate_sm.core.files import shown
+from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.program import HERE, Do, Program, successors
+from pirate_sm.core.program import HERE, Do, Program
 from pirate_sm.core.resuming import (
     FAILURE,
-    Hypothesis,
     Reconciled,
     Refused,
     Resumption,
     VerdictTable,
     reconcile,
     resumption,
-    unknown_position,
     unknowns,
     verdicts,
 )
-from pirate_sm.core.robot import DECLARED, STOPPED, declared_in
 from pirate_sm.core.spelling import meant
 from pirate_sm.running.recording.format.engine_topics import UNLOGGED, Placed
 from pirate_sm.running.recording.read.places import recorded_places
@@ -151,7 +148,7 @@ def _commands_after(program: Program, at: int) -> Iterator[int]:
     seen, pending = {at}, [at]
     while pending:
         here = pending.pop()
-        for target in successors(program, here):
+        for target in program.successors(here):
             if target < 0 or target in seen:
                 continue
             seen.add(target)
@@ -326,7 +323,7 @@ def offer(prepared: Prepared, end: EndOfRun, seen: SeenRobot, said: Said) -> Off
         return Offer(table, (it.reason,))
     program = it.program(loaded.program)
     unknown, unplaced = unknowns(loaded.robot, program, table), tuple[str, ...]()
-    if position := unknown_position(loaded.robot, program, it):
+    if position := it.unknown_position(loaded.robot, program):
         # Where the recording does not say where it was, nobody can say how far it has come.
         if said.start_at_m is None and first_wheel_m(end) is not None:
             unplaced = (position,)
@@ -380,18 +377,12 @@ def _said_table(
     Raises:
         UsageError: The robot has no such configuration.
     """
-    robot, body = prepared.loaded.robot, seen.shows.tables[0].hypothesis.body
-    names = list(robot.table.configurations[body.configuration])
+    robot, recorded = prepared.loaded.robot, seen.shows.tables[0].hypothesis
+    names = list(robot.table.configurations[recorded.body.configuration])
     for region, state in states.items():
         names[robot.regions.index(region)] = state
     if tuple(names) not in robot.table.configurations:
         raise UsageError(f"--state: the robot cannot be in {', '.join(names)}")
     there = robot.table.configurations.index(tuple(names))
-    kept = {m for m in end.last.robot.marks if m.command not in (DECLARED, STOPPED)}
-    known = {(mark.kind, mark.which) for mark in kept}
-    marks = {m for m in declared_in(robot, there).marks if (m.kind, m.which) not in known} | kept
-    hypothesis = Hypothesis("recorded", body._replace(configuration=there, marks=frozenset(marks)))
-    look = seen.look
-    return verdicts(
-        *(robot, prepared.loaded.program, end.last, hypothesis, look.frames, look.now_s)
-    )
+    said, look = recorded.in_configuration(robot, there, end.last), seen.look
+    return verdicts(robot, prepared.loaded.program, end.last, said, look.frames, look.now_s)

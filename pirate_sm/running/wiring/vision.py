@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
-from pirate_sm.core.camera import Camera, DeviceSource, RobotTags, SyntheticSource, UrlSource
+from pirate_sm.core import library
 from pirate_sm.core.errors import Hint, UsageError, not_installed
-from pirate_sm.core.files import library
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.registry import Plugin
 from pirate_sm.robot import part_names
+from pirate_sm.robot.camera import Camera, DeviceSource, RobotTags, SyntheticSource, UrlSource
 from pirate_sm.robot.camera_file import load_camera
 from pirate_sm.robot.detectors.odometry import Odometry
 from pirate_sm.robot.detectors.registry import Asked, Detecting, MakeDetector

@@ -21,7 +21,7 @@ from pirate_sm.checking.plans import why_not_from
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.events import GoTo, Resume
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.program import SwitchControl, Wait, why_not_command, why_not_on, why_not_to
+from pirate_sm.core.program import SwitchControl, Wait
 from pirate_sm.core.robot import (
     RobotSpec,
     RobotState,
@@ -154,7 +154,7 @@ def situation_of(snapshot: Snapshot) -> HandBackSituation | None:
     program = snapshot.scene.loaded.program
     if state is None or not snapshot.scene.mission or snapshot.unheard_s:
         return None
-    if why_not_to(program, state, program.phase_of[program.start]):
+    if state.why_not_to(program, program.phase_of[program.start]):
         return None
     change = state_change(snapshot.scene.robot, state.robot)
     return HandBackSituation(id(snapshot.scene), state.robot.configuration, change.unconfirmed)
@@ -190,7 +190,7 @@ def command_reason(snapshot: Snapshot, command: str) -> str:
     if snapshot.over or state is None:
         return OVER if snapshot.over else OPENING
     index = robot.table.command_index[command]
-    reason = _unheard(snapshot) or why_not_command(robot, state, index, at_once=True)
+    reason = _unheard(snapshot) or state.why_not_command(robot, index, at_once=True)
     kind, _, why = reason.partition(": ")
     if kind == "impossible" and reason == refusal(robot, state.robot, index):
         before = commands_before(robot, state.robot, index)
@@ -235,7 +235,7 @@ def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str
     state = snapshot.state
     if snapshot.over or state is None:
         return OVER if snapshot.over else OPENING
-    obstacle = _unheard(snapshot) or why_not_to(snapshot.scene.loaded.program, state, phase)
+    obstacle = _unheard(snapshot) or state.why_not_to(snapshot.scene.loaded.program, phase)
     if obstacle:
         return obstacle
     return LOOKING if entries is None else entries.get(phase, LOOKING)
@@ -297,7 +297,7 @@ def _why_not_go(snapshot: Snapshot, state: EngineState, entries: Entries | None)
     if snapshot.untouched:
         program = snapshot.scene.loaded.program
         return phase_reason(snapshot, program.phase_of[program.start], entries)
-    return why_not_on(state)
+    return state.why_not_on()
 
 
 def _why_not_step(snapshot: Snapshot, state: EngineState, entries: Entries | None) -> str:

@@ -10,16 +10,17 @@ import signal
 from asyncio import CancelledError
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache, cached_property
 from io import BytesIO
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
-from pickle import Unpickler
+from pickle import HIGHEST_PROTOCOL, Pickler, Unpickler
 from threading import Lock
 from traceback import format_exc
 from typing import Any, Final, NamedTuple, ParamSpec, Protocol, Self, TypeVar, cast
 
-from pirate_sm.core.loading import LoadedMission, MissionPickler
+from pirate_sm.core.loading import LoadedMission
 from pirate_sm.running.runtime.ending import BY_SIGNAL
 
 _P = ParamSpec("_P")
@@ -136,7 +137,31 @@ class _Raised(NamedTuple):
     text: str
 
 
-class _Packer(MissionPickler):
+class _PlainPickler(Pickler):
+    """Writes what objects are made of, without the cached properties they have worked out.
+
+    Another thread, which runs the mission, may be adding to those at any moment.
+    """
+
+    def reducer_override(self, each: Any) -> Any:
+        """Return how to write an object with cached properties; any other as usual."""
+        cached = _cached(each.__class__)
+        if not cached:
+            return NotImplemented
+        make, arguments, state = each.__reduce_ex__(HIGHEST_PROTOCOL)[:3]
+        # A copy is made at once: no other thread of Python runs meanwhile.
+        kept = {name: it for name, it in (state or {}).copy().items() if name not in cached}
+        return make, arguments, kept
+
+
+@cache
+def _cached(kind: type) -> frozenset[str]:
+    """Return the names of the cached properties of a class."""
+    found = (vars(each).items() for each in kind.__mro__)
+    return frozenset(name for of in found for name, it in of if isinstance(it, cached_property))
+
+
+class _Packer(_PlainPickler):
     """Writes a reference instead of the mission that the other process has."""
 
     mission: LoadedMission | None = None

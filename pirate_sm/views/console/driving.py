@@ -12,7 +12,6 @@ from rich.text import Text
 from pirate_sm.core.effects import CommandStatus, Effect, Ended, Fault, Log
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.events import Event, GoTo, OperatorCommand
-from pirate_sm.core.program import why_not_command
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.views.console.availability import arrows_for, ways
 from pirate_sm.views.showing.snapshot import Snapshot
@@ -182,14 +181,14 @@ class HandDriving:
             self._deaf_s = now_s + FIRST_REPEAT_S * self._factor
         elif command == self._held:
             self._until_s = now_s + NEXT_REPEAT_S * self._factor
-        elif not why_not_command(robot, state, robot.table.command_index[command]):
+        elif not state.why_not_command(robot, robot.table.command_index[command]):
             self._held, self._until_s = command, now_s + FIRST_REPEAT_S * self._factor
             self._braking = False
             self._says.append(OperatorCommand(command, self.speed))
 
     def _brake(self, robot: RobotSpec, state: EngineState) -> None:
         brake = arrows_for(robot)["left"]
-        if not why_not_command(robot, state, robot.table.command_index[brake], at_once=True):
+        if not state.why_not_command(robot, robot.table.command_index[brake], at_once=True):
             self._says.append(OperatorCommand(brake, at_once=True))
 
     def _why_to_stop(self, came_m: float, ahead_m: float) -> str:

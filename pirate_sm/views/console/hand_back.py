@@ -14,7 +14,7 @@ from rich.text import Text
 from pirate_sm.checking.plans import Beginnings, beginnings, restoring
 from pirate_sm.core.events import GoTo
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.program import Program, Wait, reached
+from pirate_sm.core.program import Program, Wait
 from pirate_sm.core.robot import Plan, RobotSpec, RobotState, RulePlaces, state_change
 from pirate_sm.views.console import availability
 from pirate_sm.views.console.check_process import CheckCall
@@ -168,12 +168,12 @@ def waits_before(program: Program, phase: str) -> tuple[Wait, ...]:
     no waits before it.
     """
     goal = program.enter(phase)
-    if goal is None or goal not in reached(program):
+    if goal is None or goal not in program.reached():
         return ()
     return tuple(
         each
         for at, each in enumerate(program.instructions)
-        if isinstance(each, Wait) and goal not in reached(program, without=at)
+        if isinstance(each, Wait) and goal not in program.reached(without=at)
     )
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.checking.gate import pass_or_raise
+from pirate_sm.core import library
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.errors import PirateError, UsageError
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedMission, by_hand, load_pipe, load_robot, with_fitted
 from pirate_sm.core.simulation import SIMULATORS
 from pirate_sm.robot.detectors.registry import speaks_of_bends

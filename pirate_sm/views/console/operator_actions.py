@@ -26,8 +26,14 @@ from pirate_sm.core.events import (
     Skip,
     Step,
 )
-from pirate_sm.core.panel import AnswerButton, Button, CommandButton, RunButton, WordButton
 from pirate_sm.core.robot import lets_all_go
+from pirate_sm.robot.control_panel.panel_file import (
+    AnswerButton,
+    Button,
+    CommandButton,
+    RunButton,
+    WordButton,
+)
 from pirate_sm.robot.control_panel.panel_reader import Connection, PanelReader
 from pirate_sm.robot.control_panel.presses import TWICE_WITHIN_S, Press, action_text
 from pirate_sm.running.runtime.ending import BY_SIGNAL

@@ -23,8 +23,8 @@ from pirate_sm.core.profile import (
     Stage,
     Target,
 )
-from pirate_sm.core.robot import Need, RegionChange, changes, needs
 from pirate_sm.core.spelling import listed
+from pirate_sm.views.drawing.command_needs import Need, RegionChange, changes, needs
 from pirate_sm.views.drawing.graph.graph import Cluster, Graph, chart_graph
 from pirate_sm.views.drawing.side_view import Faults, side_text, side_view
 from pirate_sm.views.drawing.side_view_svg import side_svg

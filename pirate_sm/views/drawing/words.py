@@ -8,10 +8,10 @@ from math import degrees
 from typing import assert_never
 
 from pirate_sm.core import mission as model
+from pirate_sm.core.fields import Parameter
 from pirate_sm.core.mission import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.profile import criteria as kinds
-from pirate_sm.core.quantities import Parameter
 from pirate_sm.core.spelling import listed
 from pirate_sm.core.units import ANGLE, Quantity, format_quantity
 

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from pirate_sm.core.effects import MarkKind, SpanKind
-from pirate_sm.core.geometry import Outline, Place, Rings, Vector
+from pirate_sm.core.geometry import Place, Vector
+from pirate_sm.running.recording.viewers.pipe_walls import Outline, Rings
 
 # --- pictures in space --------------------------------------------------------------------------
 

@@ -12,7 +12,7 @@ from string import Template
 from typing import Any, TypeAlias
 
 from pirate_sm import __version__
-from pirate_sm.core.palette import CONTRAST_DAY, CONTRAST_NIGHT, DAY, NIGHT, Palette, variables
+from pirate_sm.core.palette import DAY, NIGHT, THEMES, Palette
 from pirate_sm.views.report.contents import (
     Chart,
     DrawnWheel,
@@ -207,14 +207,20 @@ def page_style() -> str:
     rules = (
         _root(DAY),
         _for("screen and (prefers-color-scheme: dark)", NIGHT),
-        _for("(prefers-contrast: more)", CONTRAST_DAY),
+        _for("(prefers-contrast: more)", THEMES["contrast_light"]),
         _for(
-            "screen and (prefers-color-scheme: dark) and (prefers-contrast: more)", CONTRAST_NIGHT
+            "screen and (prefers-color-scheme: dark) and (prefers-contrast: more)",
+            THEMES["contrast"],
         ),
         f":root[data-printing] {{ {variables(DAY)} }}",
     )
     shapes = (files("pirate_sm.views.report") / "page" / "page.css").read_text("utf-8")
     return "\n".join((*rules, shapes))
+
+
+def variables(palette: Palette) -> str:
+    """Return the palette as custom properties of CSS."""
+    return " ".join(f"--{role.replace('_', '-')}: {colour};" for role, colour in palette.items())
 
 
 def _root(palette: Palette) -> str:

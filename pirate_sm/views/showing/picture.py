@@ -13,23 +13,14 @@ from itertools import pairwise
 from math import atan2, cos, degrees, dist, floor, hypot, inf, isnan, log, pi, sin
 from typing import NamedTuple
 
-from pirate_sm.core.geometry import (
-    Place,
-    Route,
-    RouteJoint,
-    Vector,
-    Walls,
-    clock_rad,
-    nearest_on,
-    unrolled,
-    unrolled_walls,
-)
-from pirate_sm.core.palette import ACCENT, GOOD, MUTED, WARN
-from pirate_sm.core.palette import ON_A_TERMINAL as ROLES
+from pirate_sm.core.geometry import Place, Route, RouteJoint, Vector, Walls
 from pirate_sm.core.robot import confirmed_parts
 from pirate_sm.core.simulation import Truth
+from pirate_sm.running.recording.viewers.pipe_walls import clock_rad, unrolled, unrolled_walls
 from pirate_sm.views.drawing.canvas import ACROSS, DOWN, Canvas
 from pirate_sm.views.showing.robot_anatomy import Anatomy
+from pirate_sm.views.showing.roles import ACCENT, GOOD, MUTED, WARN
+from pirate_sm.views.showing.roles import ON_A_TERMINAL as ROLES
 from pirate_sm.views.showing.snapshot import MissionScene, Snapshot
 from pirate_sm.views.showing.text_styles import ago
 
@@ -159,6 +150,20 @@ _CORNER = 2.0
 
 ARROWS = "→↗↑↖←↙↓↘"
 """The directions across a pipe, looking ahead, counter-clockwise from the right."""
+
+
+def nearest_on(line: Sequence[Place], place: Place) -> tuple[float, Place]:
+    """Return the distance of a point from a polyline, and the nearest point on it."""
+    return min(_nearest(one, other, place) for one, other in pairwise(line))
+
+
+def _nearest(one: Place, other: Place, place: Place) -> tuple[float, Place]:
+    dx, dy = other[0] - one[0], other[1] - one[1]
+    length = dx * dx + dy * dy
+    share = ((place[0] - one[0]) * dx + (place[1] - one[1]) * dy) / length if length else 0.0
+    share = min(1.0, max(0.0, share))
+    near = one[0] + share * dx, one[1] + share * dy
+    return ((place[0] - near[0]) ** 2 + (place[1] - near[1]) ** 2) ** 0.5, near
 
 
 class JointMark(NamedTuple):

@@ -10,7 +10,7 @@ from math import inf, isfinite, isnan, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pirate_sm.core import effects as fx
-from pirate_sm.core.engine import NOTHING, Engine, EngineState, Evidence
+from pirate_sm.core.engine import Engine, EngineState, Evidence
 from pirate_sm.core.geometry import Route
 from pirate_sm.core.loading import BY_HAND, TIME_LIMIT, LoadedMission
 from pirate_sm.core.robot import RobotSpec
@@ -313,13 +313,16 @@ class Snapshot:
         """
         shown_s = self._reported_s.get(name, nan)
         if isnan(shown_s):
-            shown_s = self.evidence.get(name, NOTHING).at_s
+            shown_s = self._shown_s(name)
         now_s = self.engine_s
         if self.unheard_s and self.state is not None:
             now_s = min(now_s, max(self.state.sensing.heard_s, default=now_s))
         if not isfinite(shown_s) or (self.over and self.link is not None):
             return nan
         return max(now_s - shown_s, 0.0) + self.unheard_s
+
+    def _shown_s(self, name: str) -> float:
+        return self.evidence[name].at_s if name in self.evidence else nan
 
     def is_fresh(self, signal: str) -> bool:
         """Return whether a signal is that of the present moment."""
@@ -343,7 +346,7 @@ class Snapshot:
             at_s = self.story.faults.get((rule.code, rule.message))
             if at_s is not None:
                 for name in rule.when.names.intersection(self.scene.robot.regions):
-                    if not self.evidence.get(name, NOTHING).at_s > at_s + self.ahead_s:
+                    if not self._shown_s(name) > at_s + self.ahead_s:
                         found[name] = f"{rule.code}: {rule.message}"
         return found
 

@@ -7,9 +7,9 @@ from math import isnan
 
 from rich.text import Text
 
-from pirate_sm.core import palette
-from pirate_sm.core.palette import ACCENT, BAD, GOOD, MUTED, STRONG, WARN
 from pirate_sm.core.visible import visible
+from pirate_sm.views.showing import roles
+from pirate_sm.views.showing.roles import ACCENT, BAD, GOOD, MUTED, STRONG, WARN
 
 __all__ = ["ACCENT", "BAD", "FLAG", "GOOD", "MUTED", "STRONG", "WARN", "Part", "fitted", "line"]
 
@@ -17,10 +17,10 @@ FLAG = "flag"
 """A word that stands out: ``flag`` alone, or one of ``flag.good``, ``flag.bad`` and so on."""
 
 ON_A_TERMINAL: Mapping[str, str] = {
-    **palette.ON_A_TERMINAL,
+    **roles.ON_A_TERMINAL,
     FLAG: "bold reverse",
     **{
-        f"{FLAG}.{role}": f"bold reverse {palette.ON_A_TERMINAL[role]}"
+        f"{FLAG}.{role}": f"bold reverse {roles.ON_A_TERMINAL[role]}"
         for role in (GOOD, WARN, BAD, ACCENT)
     },
 }

@@ -11,10 +11,9 @@ import pytest
 from typer.testing import Result
 
 from pirate_sm.cli.entry import COMMANDS, _found
-from pirate_sm.core._model.camera import FileSource
-from pirate_sm.core.camera import ImagesSource
 from pirate_sm.core.errors import UsageError
 from pirate_sm.lab.campaign.store import MARK, Store
+from pirate_sm.robot.camera import FileSource, ImagesSource
 from pirate_sm.robot.vision.captures import open_capture
 
 READING = [

@@ -6,27 +6,20 @@ from itertools import product
 
 import pytest
 
-from pirate_sm.core.palette import (
-    BAD,
-    CONTRAST_DAY,
-    CONTRAST_NIGHT,
-    CURVES,
-    DAY,
-    EITHER,
-    GOOD,
-    NIGHT,
-    ON_A_TERMINAL,
-    THEMES,
-    WARN,
-    Palette,
-    variables,
-)
+from pirate_sm.core.palette import CURVES, DAY, EITHER, NIGHT, THEMES, Palette
+from pirate_sm.views.report.report_page import variables
+from pirate_sm.views.showing.roles import BAD, GOOD, ON_A_TERMINAL, WARN
 from tests.colour_vision import GRAPHICS, TEXT, contrast, nearest
 
 PUBLISHED = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7")
 """The colours of Okabe and Ito without black; https://jfly.uni-koeln.de/color/."""
 
-PAGES = {"light": DAY, "dark": NIGHT, "light+": CONTRAST_DAY, "dark+": CONTRAST_NIGHT}
+PAGES = {
+    "light": DAY,
+    "dark": NIGHT,
+    "light+": THEMES["contrast_light"],
+    "dark+": THEMES["contrast"],
+}
 ALL = {**PAGES, **THEMES}
 
 MEANINGS = ("good", "bad", "late", "path", "fault")

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core.camera import CameraPose, Lens
 from pirate_sm.core.errors import UsageError
+from pirate_sm.robot.camera import CameraPose, Lens
 from pirate_sm.robot.camera_file import load_camera, with_lens, with_pose
 
 LENS = Lens(model="fisheye", f=(611.25, 612.5), centre=(970.5, 533.0), k=(-0.0125, 3e-05, 0, 0))

@@ -7,10 +7,11 @@ from typing import Any
 import pytest
 
 from pirate_sm.core._model.pipe import Blockage, Start
+from pirate_sm.core._model.pipe_runs import Mitre
 from pirate_sm.core.errors import BackendError, UsageError
 from pirate_sm.core.events import Event, FaultReport, SensorFrame, SubmitResult
 from pirate_sm.core.loading import load_robot
-from pirate_sm.core.pipe import Mitre, Pipe, Straight
+from pirate_sm.core.pipe import Pipe, Straight
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.simulation import Defect
 from pirate_sm.simulation.backend import SimulatorBackend

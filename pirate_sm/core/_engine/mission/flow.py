@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import inf, nan
 
-from pirate_sm.core._engine.mission.program import STOP, Program, Question
+from pirate_sm.core._engine.mission.program import STOP, Question
 from pirate_sm.core._engine.moment import Moment, has_come
 from pirate_sm.core._engine.robot import commands, confirmation, robot_state
 from pirate_sm.core._engine.robot.command_outcome import doubt_grip
@@ -107,7 +107,7 @@ def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState
     before = mission.before_pause
     if before is None:
         return state._replace(mission=mission._replace(pause_wanted=one_step))
-    obstacle = why_not_on(state) or _missing(moment, state)
+    obstacle = state.why_not_on() or _missing(moment, state)
     if obstacle:
         moment.warn(f"still paused: {obstacle}")
         return state
@@ -133,22 +133,6 @@ def _running(moment: Moment, mission: MissionState) -> MissionState:
     """Return a paused mission that runs again, with all its deadlines later by the pause."""
     offset_s = mission.offset_s + moment.now_s - mission.paused_s
     return mission._replace(paused_s=nan, offset_s=offset_s, before_pause=None, sight_until_s=inf)
-
-
-def why_not_on(state: EngineState) -> str:
-    """Return why a paused mission cannot resume where it was; empty if it can or is not paused."""
-    before, body = state.mission.before_pause, state.robot
-    if before is None:
-        return ""
-    if state.look is not None and state.look.before is not None:
-        return confirmation.LOOKING
-    if body.awaited:
-        return "setpoints are in flight"
-    if body.configuration != before.configuration:
-        return "the configuration has been changed"
-    if body.motion is not None and not before.suspended:
-        return "a command is under way"
-    return ""
 
 
 def _missing(moment: Moment, state: EngineState) -> str:
@@ -187,7 +171,7 @@ def await_sight(moment: Moment, state: EngineState) -> EngineState:
     mission, body = state.mission, state.robot
     if not mission.paused or body.awaited is not None:
         return state
-    if why_not_on(state):  # the operator has given a command meanwhile
+    if state.why_not_on():  # the operator has given a command meanwhile
         return state._replace(mission=mission._replace(sight_until_s=inf))
     missing, late = _missing(moment, state), has_come(moment.now_s, mission.sight_until_s)
     steps = bool(mission.since) and not mission.begun
@@ -232,7 +216,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
     :mod:`pirate_sm.checking.plans`.
     """
     here = robot_state.state_change(moment.robot, state.robot)
-    obstacle = why_not_to(moment.program, state, event.phase)
+    obstacle = state.why_not_to(moment.program, event.phase)
     if not obstacle and here != (event.states, event.unconfirmed):
         obstacle = "the robot's states have changed since they were checked"
     if obstacle:
@@ -242,25 +226,10 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
     if body.motion is not None:
         body = commands.fail(moment, body, TAKEN_OVER)
     begin = moment.program.beginning(event.phase, body.control)
-    assert begin is not None  # why_not_to has looked
+    assert begin is not None  # `why_not_to` has looked
     moment.emit(Log("info", f"handed back at {event.phase}"))
     mission = _running(moment, mission).at(begin)._replace(handling="", cause="")
     return state._replace(robot=body, mission=mission)
-
-
-def why_not_to(program: Program, state: EngineState, phase: str) -> str:
-    """Return why the mission cannot resume at this phase now; empty if it can."""
-    if program.enter(phase) is None:
-        return "the mission has no such phase"
-    if not state.mission.paused:
-        return "pause the mission first"
-    if state.look is not None:
-        return confirmation.LOOKING
-    if state.robot.awaited is not None:
-        return "setpoints are in flight"
-    if state.robot.motion is not None and not state.mission.suspended:
-        return "a command is under way"
-    return ""
 
 
 # --- faults -----------------------------------------------------------------------------------

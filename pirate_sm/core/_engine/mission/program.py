@@ -317,62 +317,53 @@ class Program:
             return None
         return next((each for each in self.handlers[at] if each.handles(code, things)), None)
 
+    def successors(self, at: int, *, fires: bool = True) -> Iterator[int]:
+        """Yield the targets of an instruction: those of success, of failures, of fault handlers.
 
-# --- where instructions lead ------------------------------------------------------------------
+        Args:
+            at: Index of the instruction.
+            fires: Whether a trigger of a wait may fire.
+        """
+        yield from self.successes(at, fires=fires)
+        yield from self.failures(at)
 
+    def successes(self, at: int, *, fires: bool = True) -> Iterator[int]:
+        """Yield where an instruction leads that does not fail; of a wait only if a trigger may."""
+        match self.instructions[at]:
+            case (Enter() | Say() | Do() | SwitchControl() | Require()) as it:
+                yield it.next
+            case Branch() as it:
+                yield from (it.if_true, it.if_false)
+            case Wait() as it if fires:
+                yield from (each.go for each in it.triggers)
+            case Question() as it:
+                yield from (target for _, target in it.choices)
+            case Wait() | Raise() | Finish():
+                pass
 
-def successors(program: Program, at: int, *, fires: bool = True) -> Iterator[int]:
-    """Yield the targets of an instruction: those of success, of failures, of fault handlers.
+    def failures(self, at: int) -> Iterator[int]:
+        """Yield where a failure, a time limit and fault handlers lead from an instruction."""
+        it = self.instructions[at]
+        if isinstance(it, Wait):
+            yield it.within
+        elif not isinstance(it, Enter | Say | Branch | Finish):
+            yield it.failed
+        yield from (each.go for each in self.handlers[at] if each.go is not None)
 
-    Args:
-        program: The mission.
-        at: Index of the instruction.
-        fires: Whether a trigger of a wait may fire.
-    """
-    yield from successes(program, at, fires=fires)
-    yield from failures(program, at)
+    def reached(self, *, without: int | None = None) -> set[int]:
+        """Return the instructions to which a way leads from the start.
 
-
-def reached(program: Program, *, without: int | None = None) -> set[int]:
-    """Return the instructions to which a way leads from the start.
-
-    Args:
-        program: The mission.
-        without: A wait of which no trigger fires.
-    """
-    found, pending = {program.start}, [program.start]
-    while pending:
-        at = pending.pop()
-        for target in successors(program, at, fires=at != without):
-            if target >= 0 and target not in found:
-                found.add(target)
-                pending.append(target)
-    return found
-
-
-def successes(program: Program, at: int, *, fires: bool = True) -> Iterator[int]:
-    """Yield where an instruction leads that does not fail; of a wait only if a trigger may fire."""
-    match program.instructions[at]:
-        case (Enter() | Say() | Do() | SwitchControl() | Require()) as it:
-            yield it.next
-        case Branch() as it:
-            yield from (it.if_true, it.if_false)
-        case Wait() as it if fires:
-            yield from (each.go for each in it.triggers)
-        case Question() as it:
-            yield from (target for _, target in it.choices)
-        case Wait() | Raise() | Finish():
-            pass
-
-
-def failures(program: Program, at: int) -> Iterator[int]:
-    """Yield where a failure, a time limit and fault handlers lead from an instruction."""
-    it = program.instructions[at]
-    if isinstance(it, Wait):
-        yield it.within
-    elif not isinstance(it, Enter | Say | Branch | Finish):
-        yield it.failed
-    yield from (each.go for each in program.handlers[at] if each.go is not None)
+        Args:
+            without: A wait of which no trigger fires.
+        """
+        found, pending = {self.start}, [self.start]
+        while pending:
+            at = pending.pop()
+            for target in self.successors(at, fires=at != without):
+                if target >= 0 and target not in found:
+                    found.add(target)
+                    pending.append(target)
+        return found
 
 
 # --- by which signals it decides anything -----------------------------------------------------

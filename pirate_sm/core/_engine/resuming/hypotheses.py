@@ -10,6 +10,7 @@ from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot import command_outcome, commands
+from pirate_sm.core._engine.robot.confirmation import declared_in
 from pirate_sm.core._engine.robot.criteria import DrivenSpec, StandingSpec
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
@@ -47,6 +48,21 @@ class Hypothesis(NamedTuple):
     body: RobotState
     command: str = ""
     drives: bool = False
+
+    def in_configuration(self, robot: RobotSpec, there: int, last: EngineState) -> Hypothesis:
+        """Return the same robot in a configuration that a person says, of which nothing is shown.
+
+        Args:
+            robot: The robot.
+            there: Index of the configuration.
+            last: The engine's last recorded state; what was open then is still open.
+        """
+        kept = {each for each in last.robot.marks if each.command not in (DECLARED, STOPPED)}
+        known = {(mark.kind, mark.which) for mark in kept}
+        declared = declared_in(robot, there).marks
+        marks = kept | {each for each in declared if (each.kind, each.which) not in known}
+        body = self.body._replace(configuration=there, marks=frozenset(marks))
+        return Hypothesis("recorded", body)
 
 
 def hypotheses(

@@ -112,6 +112,38 @@ class Reconciled(NamedTuple):
         rolled = any(way_m > robot.sight.dark.agree_m for way_m in rolled_m)
         return words[0] == words[1] and self.refusals == before.refusals and not rolled
 
+    def shown_instead(self, robot: RobotSpec) -> tuple[VerdictTable, ...]:
+        """Return the configurations that the sensors show instead of the declared one.
+
+        The first table is of the declared one, as in :func:`adoptable`. Of those without a
+        contradiction the ones count of which most is confirmed. What the sensors cannot tell apart
+        is taken as declared; otherwise a person must choose.
+
+        Returns:
+            The configurations. None if nothing contradicts the declared one, if a wheel turns, or
+            if everything is contradicted.
+        """
+        declared = self.tables[0]
+        if self.turning or not declared.having("contradicted"):
+            return ()
+        states = robot.table.configurations
+        wanted = states[declared.hypothesis.body.configuration]
+
+        def kept(table: VerdictTable) -> int:
+            names = states[table.hypothesis.body.configuration]
+            return sum(name == other for name, other in zip(names, wanted, strict=True))
+
+        possible = [
+            (table.having("confirmed"), kept(table), table)
+            for table in self.tables
+            if not table.having("contradicted") and not table.refusals
+        ]
+        return tuple(
+            table
+            for shown, count, table in possible
+            if not any(shown < other or (shown == other and count < n) for other, n, _ in possible)
+        )
+
 
 def reconcile(
     robot: RobotSpec,
@@ -261,42 +293,6 @@ def adoptable(robot: RobotSpec, declared: int) -> tuple[Hypothesis, ...]:
     others = (each for each in range(len(robot.table.configurations)) if not robot.driven[each])
     every = dict.fromkeys((declared, *others))
     return tuple(Hypothesis("adopted", declared_in(robot, each)) for each in every)
-
-
-def shown_instead(robot: RobotSpec, shows: Reconciled) -> tuple[VerdictTable, ...]:
-    """Return the configurations that the sensors show instead of the declared one.
-
-    Of those without a contradiction the ones count of which most is confirmed. What the sensors
-    cannot tell apart is taken as declared; otherwise a person must choose.
-
-    Args:
-        robot: The robot.
-        shows: What was seen of the configurations of :func:`adoptable`.
-
-    Returns:
-        The configurations. None if nothing contradicts the declared one, if a wheel turns, or if
-        everything is contradicted.
-    """
-    declared = shows.tables[0]
-    if shows.turning or not declared.having("contradicted"):
-        return ()
-    states = robot.table.configurations
-    wanted = states[declared.hypothesis.body.configuration]
-
-    def kept(table: VerdictTable) -> int:
-        names = states[table.hypothesis.body.configuration]
-        return sum(name == other for name, other in zip(names, wanted, strict=True))
-
-    possible = [
-        (table.having("confirmed"), kept(table), table)
-        for table in shows.tables
-        if not table.having("contradicted") and not table.refusals
-    ]
-    return tuple(
-        table
-        for shown, count, table in possible
-        if not any(shown < other or (shown == other and count < n) for other, n, _ in possible)
-    )
 
 
 # --- inside -----------------------------------------------------------------------------------

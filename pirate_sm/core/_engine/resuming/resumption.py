@@ -19,7 +19,6 @@ from pirate_sm.core._engine.mission.program import (
     Instruction,
     Program,
     Wait,
-    reached,
 )
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.resuming.hypotheses import DarkWay, Hypothesis, odometry_m
@@ -283,6 +282,16 @@ class Resumption(NamedTuple):
         """Return the program of the resumed run, from that of the run before."""
         return resumed_program(before, self.entry)
 
+    def positions_read(self, robot: RobotSpec, program: Program) -> Iterator[tuple[int, str]]:
+        """Yield where its program reads a position that nobody knows, see `position_read`."""
+        if self.adrift:
+            yield from position_read(robot, program, self.entry.origin)
+
+    def unknown_position(self, robot: RobotSpec, program: Program) -> str:
+        """Return where its program first reads a position that nobody knows; empty if nowhere."""
+        place = next((place for _, place in self.positions_read(robot, program)), "")
+        return f"the position: the mission reads it ({place})" if place else ""
+
 
 class Beginning(NamedTuple):
     """How a mission begins where that is not as it is declared; see ``Engine.start``."""
@@ -363,13 +372,6 @@ def unknowns(robot: RobotSpec, program: Program, table: VerdictTable) -> tuple[s
     )
 
 
-def unknown_position(robot: RobotSpec, program: Program, it: Resumption) -> str:
-    """Return where the mission still reads a position that nobody knows; empty if nowhere."""
-    read = position_read(robot, program, it.entry.origin) if it.adrift else iter(())
-    place = next((place for _, place in read), "")
-    return f"the position: the mission reads it ({place})" if place else ""
-
-
 def position_read(robot: RobotSpec, program: Program, origin: Numbers) -> Iterator[tuple[int, str]]:
     """Yield the instructions from which the odometry is read, with the places of their conditions.
 
@@ -386,7 +388,7 @@ def position_read(robot: RobotSpec, program: Program, origin: Numbers) -> Iterat
     changes = robot.vocabulary.with_changes.numbers
     change = changes[len(robot.vocabulary.numbers) + robot.odometry]
     lost = bool(origin) and isnan(origin[robot.odometry])
-    for index in sorted(reached(program)):
+    for index in sorted(program.reached()):
         match program.instructions[index]:
             case Branch(condition=condition, place=place):
                 if name in condition.names:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, nan
@@ -312,6 +312,22 @@ class TractionSpec(NamedTuple):
         if self.robot_speed >= 0:
             shared.append(self.robot_speed)
         return (*shared, *(index for wheel in self.wheels for index in wheel.targets))
+
+    def with_motors(self, motors: Mapping[int, tuple[float | None, float | None]]) -> TractionSpec:
+        """Return the same with other motors of the wheels.
+
+        Args:
+            motors: Stall torque and speed without load by slot; what is none stays as it is.
+        """
+        given = [(wheel, *motors[wheel.slot]) for wheel in self.wheels]
+        return self._replace(
+            wheels=tuple(
+                wheel._replace(
+                    stall_nm=stall or wheel.stall_nm, no_load_rad_s=no_load or wheel.no_load_rad_s
+                )
+                for wheel, stall, no_load in given
+            )
+        )
 
 
 # --- the link ---------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 from functools import lru_cache
 from math import inf, isnan, nan
 from typing import NamedTuple, TypeAlias
@@ -330,14 +330,6 @@ def _count_from_here(
 
 def _without(places: Collection[int], numbers: Numbers) -> tuple[float, ...]:
     return tuple(nan if at in places else each for at, each in enumerate(numbers))
-
-
-def measured(robot: RobotSpec, frame: SensorFrame, cells: Sequence[float]) -> list[float]:
-    """Return the cells, with the signals that a board of the robot measures; SI units."""
-    table, measured = signal_table(robot), list(cells)
-    rows = table.boards[robot.boards[frame.board].position].measured
-    run(rows, table.lists, measured, cells, frame.values, 0.0, 0.0)
-    return measured
 
 
 def ask(robot: RobotSpec, asked: MotorRequest, setpoints: Numbers, now: float) -> MotorRequest:

@@ -6,9 +6,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 
+from pirate_sm.core import library
 from pirate_sm.core._engine.robot.robot_spec import ChartTable
-from pirate_sm.core._loading import library, references
-from pirate_sm.core._loading.library import PROFILE_FILE
+from pirate_sm.core._loading import references
 from pirate_sm.core._loading.mission import parameter_values as parameters
 from pirate_sm.core._loading.mission.parameter_values import Values
 from pirate_sm.core._loading.mission.scope import Scope, Source
@@ -18,6 +18,7 @@ from pirate_sm.core._loading.yaml.document import Document, read_document
 from pirate_sm.core._loading.yaml.validation import validate
 from pirate_sm.core._model import mission as model
 from pirate_sm.core.errors import PirateError, UsageError
+from pirate_sm.core.library import PROFILE_FILE
 from pirate_sm.core.spelling import nearest, one_of
 
 DEEPEST_CALL = 16

@@ -8,23 +8,22 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from copyreg import pickle
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
 from hashlib import sha256
 from math import inf
 from pathlib import Path
-from pickle import HIGHEST_PROTOCOL, Pickler
 from types import MappingProxyType
 from typing import Any, Final
 
 from pydantic import ValidationError
 
+from pirate_sm.core import library
 from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.robot.criteria import CriterionSpec, HeldSpec, LoadSpec, StalledSpec
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._geometry.chain import holding_nm
 from pirate_sm.core._geometry.network import tilted_up
 from pirate_sm.core._geometry.space import GRAVITY_M_S2, dot
-from pirate_sm.core._loading import library, references
+from pirate_sm.core._loading import references
 from pirate_sm.core._loading.mission import parameter_values as parameters
 from pirate_sm.core._loading.mission.program import build_program
 from pirate_sm.core._loading.mission.scope import Source
@@ -364,30 +363,6 @@ def _held(held: HeldSpec, least_nm: Mapping[int, float]) -> HeldSpec:
         needed_nm, least = max(joint.needed_nm, least), max(joint.least_nm, least)
         joints.append(joint._replace(needed_nm=needed_nm, least_nm=least))
     return held._replace(joints=tuple(joints) or held.joints)
-
-
-class MissionPickler(Pickler):
-    """Writes what objects are made of, without the cached properties they have worked out.
-
-    Another thread, which runs the mission, may be adding to those at any moment.
-    """
-
-    def reducer_override(self, each: Any) -> Any:
-        """Return how to write an object with cached properties; any other as usual."""
-        cached = _cached(each.__class__)
-        if not cached:
-            return NotImplemented
-        make, arguments, state = each.__reduce_ex__(HIGHEST_PROTOCOL)[:3]
-        # A copy is made at once: no other thread of Python runs meanwhile.
-        kept = {name: it for name, it in (state or {}).copy().items() if name not in cached}
-        return make, arguments, kept
-
-
-@cache
-def _cached(kind: type) -> frozenset[str]:
-    """Return the names of the cached properties of a class."""
-    found = (vars(each).items() for each in kind.__mro__)
-    return frozenset(name for of in found for name, it in of if isinstance(it, cached_property))
 
 
 def _read_only(values: dict[Any, Any]) -> MappingProxyType[Any, Any]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from math import inf
 
 from pirate_sm.core._engine.mission import program as out
-from pirate_sm.core._engine.mission.program import Program, SwitchControl, successors
+from pirate_sm.core._engine.mission.program import Program, SwitchControl
 from pirate_sm.core._loading.mission.called_missions import start_configuration
 from pirate_sm.core._loading.mission.parameter_values import Values
 from pirate_sm.core._loading.mission.program_writer import (
@@ -153,5 +153,5 @@ def _controls_at_phases(program: Program, first: SwitchControl) -> list[tuple[in
             found.append((at, in_force))
         step = program.instructions[at]
         after = (step.control, step) if isinstance(step, SwitchControl) else in_force
-        waiting += [(target, after) for target in successors(program, at)]
+        waiting += [(target, after) for target in program.successors(at)]
     return found

@@ -13,7 +13,6 @@ from pirate_sm.core._engine.robot.robot_spec import ChartTable, RobotSpec
 from pirate_sm.core._loading import references
 from pirate_sm.core._loading.chart_exploration import cached_table
 from pirate_sm.core._loading.chart_outline import ChartOutline, outline_chart
-from pirate_sm.core._loading.library import PROFILE_FILE
 from pirate_sm.core._loading.problems import LoadError, Problems
 from pirate_sm.core._loading.references import FileKind, read_extended, refuse_other
 from pirate_sm.core._loading.robot.actuation import (
@@ -40,6 +39,7 @@ from pirate_sm.core._model.robot.body import Motor
 from pirate_sm.core._model.robot.profile import Profile
 from pirate_sm.core._model.robot.simulation import MotorNumbers, Twin
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.library import PROFILE_FILE
 
 Polarity = Literal["normal", "mirrored"]
 

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from pirate_sm.core._loading import problems as found
-from pirate_sm.core._loading.library import shown
 from pirate_sm.core._loading.problems import Edit, LoadError, Place, Problem, meant_key
 from pirate_sm.core._loading.yaml.composer import YamlNode, compose, from_file, overlaid
+from pirate_sm.core.library import shown
 from pirate_sm.core.on_disk import opened
 
 LARGEST_FILE: Final = 1 << 20  # bytes

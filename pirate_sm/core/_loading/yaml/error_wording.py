@@ -17,9 +17,8 @@ from pydantic_core import ErrorDetails
 
 from pirate_sm.core._loading.problems import Path, meant_key, step_form
 from pirate_sm.core._loading.yaml.composer import ScalarError, resolve_plain
-from pirate_sm.core._model.base import FaultCode, Name
+from pirate_sm.core._model.base import Date, FaultCode, Name
 from pirate_sm.core._model.pipe_runs import Port
-from pirate_sm.core._model.robot.body import Date
 from pirate_sm.core._model.robot.signals import TypeName
 from pirate_sm.core.spelling import nearest, one_of
 from pirate_sm.core.units import QuantityError, in_unit_of

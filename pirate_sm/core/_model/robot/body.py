@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, StringConstraints, model_validator
+from pydantic import Field, model_validator
 
-from pirate_sm.core._model.base import Condition, Format, Frozen, Name, Sign
+from pirate_sm.core._model.base import Condition, Frozen, Name, Sign
 from pirate_sm.core._model.quantities import (
     Angle,
     AngularSpeed,
@@ -245,25 +245,3 @@ class Motor(Frozen):
         if self.torque_loop is not None and (self.kind != "sprung_worm" or not self.stall_torque):
             raise ValueError("a `torque_loop` needs `kind: sprung_worm` and the `stall_torque`")
         return self
-
-
-Date = Annotated[str, StringConstraints(pattern=r"^\d{4}-\d{2}-\d{2}$")]
-
-
-class Calibration(Frozen):
-    """The zeros of one robot's joints, measured on one day.
-
-    Attributes:
-        format: Version of this format.
-        robot: Name of the robot.
-        date: Date of the measurement.
-        port: Port of the robot.
-        zeros: The reading of each joint's sensor when the joint is at zero; it is subtracted from
-            each reading.
-    """
-
-    format: Format
-    robot: Name
-    date: Date
-    port: str = ""
-    zeros: Annotated[dict[Name, Angle], Field(min_length=1)]

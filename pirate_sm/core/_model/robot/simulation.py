@@ -203,3 +203,25 @@ class Twin(Frozen):
     motors: dict[Name, MotorNumbers] = {}
     joints: dict[Name, MotorNumbers] = {}
     friction: Friction | None = None
+
+
+class LineFaults(Frozen):
+    """Faults of the serial line and of the controller, for the backend ``bay``.
+
+    Attributes:
+        loss_in: Share of frames lost on their way to the robot.
+        loss_out: Share of frames lost on their way back.
+        corruption: Share of bytes changed, in either direction.
+        delay: Added to every frame.
+        jitter: Up to this much more, drawn for each frame.
+        reset_every: Mean time between restarts of the controller.
+        cut_after: When the line is cut for good, after the start of the controller; 0 for never.
+    """
+
+    loss_in: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
+    loss_out: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
+    corruption: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
+    delay: Annotated[Duration, Field(ge=0)] = 0.0
+    jitter: Annotated[Duration, Field(ge=0)] = 0.0
+    reset_every: Annotated[Duration, Field(ge=0)] = 0.0
+    cut_after: Annotated[Duration, Field(ge=0)] = 0.0

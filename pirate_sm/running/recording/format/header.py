@@ -11,8 +11,8 @@ from typing import Any, Literal, TypeAlias
 from pydantic import TypeAdapter
 
 from pirate_sm import __version__
+from pirate_sm.core import library
 from pirate_sm.core.events import ALPHABET_VERSION
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.options import USUAL
 from pirate_sm.running.recording.format.engine_topics import WireLayout

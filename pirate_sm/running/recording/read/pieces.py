@@ -18,7 +18,7 @@ from pirate_sm.core.effects import Effect, WaitArmed
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.events import ALPHABET_VERSION, READABLE_ALPHABETS, Event
-from pirate_sm.core.files import shown
+from pirate_sm.core.library import shown
 from pirate_sm.core.resuming import Resumption
 from pirate_sm.core.robot import RobotState
 from pirate_sm.running.recording.format.engine_topics import (

@@ -21,7 +21,7 @@ from typing import Any
 
 from pirate_sm.core.effects import Ended
 from pirate_sm.core.errors import RecordingError
-from pirate_sm.core.files import shown
+from pirate_sm.core.library import shown
 from pirate_sm.core.on_disk import opened
 from pirate_sm.running.recording.format.engine_topics import ENGINE
 from pirate_sm.running.recording.format.header import PROFILE, REPAIRED, RunHeader

@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from pirate_sm.core.errors import RecordingError, UsageError
-from pirate_sm.core.files import shown
+from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.on_disk import is_there, why_hidden
 from pirate_sm.running.recording.read.reader import Recording, read_recording

@@ -9,25 +9,24 @@ frame ``world`` whose z axis goes up.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import cos, isfinite, sin, sqrt
+from itertools import pairwise
+from math import atan2, cos, isfinite, sin, sqrt
 from typing import Any, Literal, NamedTuple
 
 from pirate_sm.core.geometry import (
     DRAWING,
     Frame,
+    Place,
     Pose,
     Route,
     Vector,
     combined,
     crossed,
     dot,
-    part_normals,
-    seen_in,
-    unit,
-    upright,
 )
 from pirate_sm.core.profile import Body
 from pirate_sm.core.simulation import InSpace
+from pirate_sm.running.recording.viewers.pipe_walls import part_normals, seen_in, unit, upright
 
 # --- in a plane -----------------------------------------------------------------------------------
 
@@ -237,3 +236,8 @@ def _transform(stamp: str, parent: str, child: str, place: Vector, turned: Quate
         f'{{"timestamp":{stamp},{names},"translation":{{"x":{x:.7g},"y":{y:.7g},"z":{z:.7g}}},'
         f'"rotation":{{"x":{qx:.7g},"y":{qy:.7g},"z":{qz:.7g},"w":{qw:.7g}}}}}'
     )
+
+
+def link_poses(places: Sequence[Place]) -> tuple[Pose, ...]:
+    """Return the pose of each link from the positions of the wheels."""
+    return tuple(Pose(ax, ay, atan2(ay - by, ax - bx)) for (ax, ay), (bx, by) in pairwise(places))

@@ -19,7 +19,7 @@ from pirate_sm.core import effects as fx
 from pirate_sm.core.effects import Level
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.expressions import EnumType
-from pirate_sm.core.geometry import Place, drawn_walls, link_poses
+from pirate_sm.core.geometry import Place, drawn_walls
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.pipe import Pipe, Straight
 from pirate_sm.core.profile import Body, Profile
@@ -30,7 +30,7 @@ from pirate_sm.robot.detectors.vision_detector import CameraView
 from pirate_sm.running.recording.format.engine_topics import DIALECT, rounded
 from pirate_sm.running.recording.signal_names import signal_names, slot_names
 from pirate_sm.running.recording.viewers.foxglove_scene import scene_message
-from pirate_sm.running.recording.viewers.transforms import SpaceTransforms, Transforms
+from pirate_sm.running.recording.viewers.transforms import SpaceTransforms, Transforms, link_poses
 
 # --- topics ---------------------------------------------------------------------------------------
 

@@ -12,7 +12,7 @@ from math import degrees
 from pirate_sm.core.errors import PirateError
 from pirate_sm.core.geometry import BRANCH, ON, port_of
 from pirate_sm.core.loading import ChartOutline, ChartTransition
-from pirate_sm.core.pipe import Elbow, Mitre, Pipe, PipeRun, Reducer, Segment, Straight
+from pirate_sm.core.pipe import Pipe, PipeRun, Straight
 from pirate_sm.views.drawing.words import wrapped
 
 # --- graphs -------------------------------------------------------------------------------------
@@ -255,28 +255,11 @@ def _run(name: str, run: PipeRun, diameter_m: float) -> Edge:
         for junction, port in ((source, out), (target, into))
         if port
     ]
-    inside = ", ".join(map(_words, run.segments))
-    fittings = ", ".join(_words(each) for each in run.segments if not isinstance(each, Straight))
+    inside = ", ".join(each.words for each in run.segments)
+    fittings = ", ".join(each.words for each in run.segments if not isinstance(each, Straight))
     head = ", ".join([name, *ports, _mm(run.diameter or diameter_m)])
     label = f"{head}: {fittings}" if fittings else head
     return Edge(source, target, EdgeKind.GO, label, f"{head}; {inside}")
-
-
-def _words(segment: Segment) -> str:
-    """Return a segment in a few words."""
-    match segment:
-        case Straight(straight=length_m):
-            return f"straight {_mm(length_m)}"
-        case Mitre(mitre=angle_rad, roll=roll_rad):
-            return f"mitre {_deg(angle_rad)}{_rolled(roll_rad)}"
-        case Elbow(elbow=angle_rad, roll=roll_rad):
-            return f"elbow {_deg(angle_rad)}{_rolled(roll_rad)}"
-        case Reducer(to=to_m):
-            return f"reducer to {_mm(to_m)}"
-
-
-def _rolled(roll_rad: float) -> str:
-    return f" rolled {_deg(roll_rad)}" if roll_rad else ""
 
 
 def _mm(length_m: float) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ from pirate_sm.checking.mission import time_and_order
 from pirate_sm.checking.mission.check_mission import check_mission
 from pirate_sm.checking.plans import refused_from
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.program import Program, successors
+from pirate_sm.core.program import Program
 from pirate_sm.core.robot import RobotState
 
 CLAMP = "  a: {do: [ClampFront, ClampRear], go: b}\n"
@@ -90,11 +91,13 @@ def test_a_way_of_many_waits_is_followed_once(
 ) -> None:
     asked = Counter[int]()
 
-    def counting(program: Program, at: int) -> tuple[int, ...]:
-        asked[at] += 1
-        return successors(program, at)
+    followed = Program.successors
 
-    monkeypatch.setattr(time_and_order, "successors", counting)
+    def counting(program: Program, at: int) -> Iterator[int]:
+        asked[at] += 1
+        return followed(program, at)
+
+    monkeypatch.setattr(Program, "successors", counting)
     waits = "".join(
         f"  w{n}: {{wait: [{{when: change(odometry) >= {n + 1} mm, go: w{n + 1}}}],"
         f" counts_on: {str(n > 0).lower()}, within: LATE}}\n"

@@ -6,8 +6,8 @@ import pytest
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.mission_parameters import unused_in
+from pirate_sm.core import library
 from pirate_sm.core.documents import parse_document, read_document
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import validate
 from pirate_sm.core.mission import Mission
 

@@ -10,7 +10,7 @@ import pytest
 from pirate_sm.checking.actuation_in_force import Actuated
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import load_mission
 
 from ..robots import NEWT, PIRATE, ROOT, changed, told

@@ -18,7 +18,6 @@ from pirate_sm.core.resuming import (
     VerdictTable,
     hypotheses,
     resumption,
-    unknown_position,
     unknowns,
 )
 from pirate_sm.core.robot import at_rest_in
@@ -75,7 +74,7 @@ def test_a_position_that_is_read_is_among_the_unknowns(climb):
     found, _ = cut_off_in_a_wait(climb, "down", DRIVING, UNKNOWN)
     program = found.program(climb.program)
 
-    told = unknown_position(climb.robot, program, found)
+    told = found.unknown_position(climb.robot, program)
 
     assert told.startswith("the position: the mission reads it (")
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.project_files import DEEPEST_FOLDER, find_targets
+from pirate_sm.core import library
 from pirate_sm.core.documents import FileKind
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import library
 
 MISSION = "mission: m\nphases: {}\n"
 

@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 from pirate_sm.cli.commands import camera
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.robot.camera_file import load_camera
 from pirate_sm.robot.vision.opencv import cv2
 from pirate_sm.robot.vision.seeing import eye_of

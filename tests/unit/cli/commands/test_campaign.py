@@ -16,9 +16,9 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.core._model.campaign import MOST_SEEDS
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.lab.campaign.campaign_file import read_campaign
+from pirate_sm.lab.campaign.campaign_model import MOST_SEEDS
 from pirate_sm.lab.campaign.chunk import Chunk, RunRow
 from pirate_sm.lab.campaign.conductor import recording_name, stored
 from pirate_sm.lab.campaign.crew import Done

@@ -15,7 +15,7 @@ from representative import thorough_but
 from typer.testing import Result
 
 from pirate_sm.cli.commands import demo
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.lab.gallery.scene_file import load_scene
 
 ROOT = Path(__file__).parents[4]

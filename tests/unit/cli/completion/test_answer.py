@@ -20,8 +20,9 @@ from pirate_sm.checking import catalogue
 from pirate_sm.cli import entry
 from pirate_sm.cli.completion import ASKING
 from pirate_sm.cli.completion.answer import answered
-from pirate_sm.core._model.campaign import LineFaults, StartJitter
-from pirate_sm.core.files import library
+from pirate_sm.core import library
+from pirate_sm.core._model.robot.simulation import LineFaults
+from pirate_sm.lab.campaign.campaign_model import StartJitter
 from pirate_sm.robot import part_names as backends
 from pirate_sm.running.wiring import BACKENDS
 

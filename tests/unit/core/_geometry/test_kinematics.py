@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._geometry.chain import Chain, Pose, link_poses
+from pirate_sm.core._geometry.chain import Chain, Pose
+from pirate_sm.running.recording.viewers.transforms import link_poses
 
 LENGTHS = (0.11, 0.09, 0.13, 0.09, 0.1)
 CHAIN = Chain(LENGTHS, (1, -1, 1, -1, 1, -1))

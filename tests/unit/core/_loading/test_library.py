@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._loading import library
+from pirate_sm.core import library
 from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core.errors import UsageError
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from math import nan
 from random import Random
 
-from pirate_sm.core.campaign import Expectation, StoppingRule, TrueEnd
+from pirate_sm.lab.campaign.campaign_model import Expectation, StoppingRule, TrueEnd
 from pirate_sm.lab.campaign.chunk import Chunk, RunRow
 from pirate_sm.lab.campaign.crew import Done
 from pirate_sm.lab.campaign.plan import CampaignPlan, Cell

@@ -6,7 +6,7 @@ from collections.abc import Container
 
 import pytest
 
-from pirate_sm.core.campaign import StoppingRule
+from pirate_sm.lab.campaign.campaign_model import StoppingRule
 from pirate_sm.lab.campaign.tally import CellDifference, Tally, compare, comparison_text
 
 from .rows import cell, row

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core.campaign import Expectation, StoppingRule
 from pirate_sm.core.errors import UsageError
+from pirate_sm.lab.campaign.campaign_model import Expectation, StoppingRule
 from pirate_sm.lab.campaign.chunk import Chunk, RunRow
 from pirate_sm.lab.campaign.conductor import Conductor, Progress, stored
 from pirate_sm.lab.campaign.plan import CampaignPlan, mark_of

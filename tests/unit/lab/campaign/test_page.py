@@ -6,7 +6,7 @@ import shlex
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
-from pirate_sm.core.campaign import Expectation
+from pirate_sm.lab.campaign.campaign_model import Expectation
 from pirate_sm.lab.campaign.chunk import Chunk, RunRow
 from pirate_sm.lab.campaign.conductor import Conductor, recording_name, stored
 from pirate_sm.lab.campaign.page import page_of

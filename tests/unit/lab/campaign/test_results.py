@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core.campaign import Expectation, StoppingRule
+from pirate_sm.lab.campaign.campaign_model import Expectation, StoppingRule
 from pirate_sm.lab.campaign.chunk import RunRow
 from pirate_sm.lab.campaign.conductor import recording_name
 from pirate_sm.lab.campaign.intervals import wilson

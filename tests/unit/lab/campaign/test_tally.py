@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core.campaign import Expectation, StoppingRule
+from pirate_sm.lab.campaign.campaign_model import Expectation, StoppingRule
 from pirate_sm.lab.campaign.tally import Tally
 
 from .rows import cell, row

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from benchmarks.campaign import run
-from pirate_sm.core.campaign import TrueEnd
+from pirate_sm.lab.campaign.campaign_model import TrueEnd
 from pirate_sm.lab.campaign.watched_run import Outcome, judge
 from pirate_sm.running.wiring import Order
 

@@ -3,8 +3,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot
 from pirate_sm.lab.fitting.measurements import column, has, read_measured
 from pirate_sm.lab.fitting.robot_numbers import signals_with

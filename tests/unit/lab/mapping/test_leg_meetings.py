@@ -6,9 +6,9 @@ from math import asin, nan, pi, radians
 
 import pytest
 
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import load_robot
-from pirate_sm.core.sensing import axis_at
+from pirate_sm.lab.mapping.axes import axis_at
 from pirate_sm.lab.mapping.bend_angles import reached
 
 FRONT, REAR = 0, 1

@@ -11,12 +11,13 @@ from types import SimpleNamespace
 import pytest
 
 from pirate_sm.api import run
+from pirate_sm.core import library
+from pirate_sm.core._model.pipe_runs import Mitre
 from pirate_sm.core.documents import parse_document
 from pirate_sm.core.effects import Setpoints, StateChange
 from pirate_sm.core.events import DetectorWord, SensorFrame, SubmitResult
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot, validate
-from pirate_sm.core.pipe import Mitre, Pipe, Straight
+from pirate_sm.core.pipe import Pipe, Straight
 from pirate_sm.core.profile import Profile
 from pirate_sm.lab.mapping.legs import Map
 from pirate_sm.lab.mapping.mapper import mapped

@@ -6,10 +6,10 @@ from math import degrees, inf, nan, pi, radians
 
 import pytest
 
-from pirate_sm.core._model.pipe_runs import InlineTee
+from pirate_sm.core._model.pipe_runs import Elbow, InlineTee, Mitre, Reducer
 from pirate_sm.core.documents import Problems, parse_document
 from pirate_sm.core.loading import check_pipe, validate
-from pirate_sm.core.pipe import Elbow, Mitre, Pipe, Reducer, Straight
+from pirate_sm.core.pipe import Pipe, Straight
 from pirate_sm.lab.mapping.legs import Bore, Leg, Map, MappedBend
 from pirate_sm.lab.mapping.pipe_text import pipe_text
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import load_robot
 from pirate_sm.lab.mapping.places import Way
 

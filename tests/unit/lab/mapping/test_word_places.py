@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import load_robot
 from pirate_sm.lab.mapping.looks import JointEnd, WordReader
 from pirate_sm.robot.detectors.word_timing import words_of

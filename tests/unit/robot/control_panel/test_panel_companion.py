@@ -19,7 +19,7 @@ from pirate_sm.core.events import (
     Skip,
     Step,
 )
-from pirate_sm.core.panel import Panel
+from pirate_sm.robot.control_panel.panel_file import Panel
 from pirate_sm.robot.control_panel.panel_reader import Connection, Happening, PanelCompanion
 from pirate_sm.robot.control_panel.presses import Press
 

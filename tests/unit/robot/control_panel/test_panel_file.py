@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from pirate_sm.core import library
 from pirate_sm.core.documents import LoadError
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot
-from pirate_sm.core.panel import CommandButton
-from pirate_sm.robot.control_panel.panel_file import load_panel
+from pirate_sm.robot.control_panel.panel_file import CommandButton, load_panel
 
 ROOT = Path(__file__).resolve().parents[4]
 PIRATE, NEWT = ROOT / "hardware_profiles" / "pirate_ii", ROOT / "tests" / "robots" / "newt"

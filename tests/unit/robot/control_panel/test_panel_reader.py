@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.panel import Panel
 from pirate_sm.robot.control_panel import panel_reader
+from pirate_sm.robot.control_panel.panel_file import Panel
 from pirate_sm.robot.control_panel.panel_reader import Connection, Happening, PanelReader
 from pirate_sm.robot.control_panel.presses import Press
 

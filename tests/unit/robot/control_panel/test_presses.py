@@ -6,7 +6,7 @@ from math import inf
 
 import pytest
 
-from pirate_sm.core.panel import Panel
+from pirate_sm.robot.control_panel.panel_file import Panel
 from pirate_sm.robot.control_panel.presses import ControlChange, Press, Presses, action_text
 
 PANEL = Panel.model_validate(

@@ -7,7 +7,8 @@ from math import asin, isnan, nan, radians, sin, sqrt
 import pytest
 
 from pirate_sm.core._engine.sensing.body_spec import Vee
-from pirate_sm.core.pipe import Mitre, Pipe, Straight
+from pirate_sm.core._model.pipe_runs import Mitre
+from pirate_sm.core.pipe import Pipe, Straight
 from pirate_sm.core.sensing import BodySpec
 from pirate_sm.robot.detectors.dead_reckoning import Felt, Reckoned, Reckoner
 

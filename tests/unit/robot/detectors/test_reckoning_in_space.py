@@ -8,12 +8,13 @@ from random import Random
 
 import pytest
 
+from pirate_sm.core import library
 from pirate_sm.core._geometry.network import Elbow, Mitre, Reducer, Straight, planar
-from pirate_sm.core.files import library
 from pirate_sm.core.geometry import Frame, Route, dot
 from pirate_sm.core.loading import load_robot
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.core.sensing import WHOLE, axis_at, plane_of, wheel_at
+from pirate_sm.core.sensing import WHOLE
+from pirate_sm.lab.mapping.axes import axis_at, plane_of, wheel_at
 from pirate_sm.lab.mapping.bend_angles import reached
 from pirate_sm.robot.detectors.dead_reckoning import Felt, Reckoned, Reckoner
 

@@ -13,7 +13,7 @@ import pytest
 from pirate_sm.cli.commands.doctor import _look_around
 from pirate_sm.cli.options.devices import DoctorOptions
 from pirate_sm.core.errors import BackendError
-from pirate_sm.core.loading import with_zeros
+from pirate_sm.robot.calibration_files import with_zeros
 from pirate_sm.robot.diagnosis.facts import ExpectedRobot, Facts
 from pirate_sm.robot.diagnosis.judgement import judged
 from pirate_sm.robot.diagnosis.listening import Listening

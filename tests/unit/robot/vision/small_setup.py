@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pirate_sm.core.camera import Camera
+from pirate_sm.robot.camera import Camera
 from pirate_sm.robot.vision.seeing import Eye, eye_of
 from pirate_sm.robot.vision.synthetic import ShownLink, ShownScene, SyntheticPictures
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.vision_boards import draw_board
-from pirate_sm.core.camera import CameraPose, Lens
+from pirate_sm.robot.camera import CameraPose, Lens
 from pirate_sm.robot.vision.calibration import LensCalibration, calibrate
 from pirate_sm.robot.vision.opencv import Floats, cv2
 from pirate_sm.robot.vision.projection import LensModel, View, rotation_of, turn_of

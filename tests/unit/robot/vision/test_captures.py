@@ -7,16 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pirate_sm.core._model.camera import FileSource
-from pirate_sm.core.camera import (
+from pirate_sm.core.errors import UsageError
+from pirate_sm.robot.camera import (
     CameraSource,
     DeviceSource,
+    FileSource,
     ImagesSource,
     SyntheticSource,
     SyntheticView,
     UrlSource,
 )
-from pirate_sm.core.errors import UsageError
 from pirate_sm.robot.vision.captures import Capture, first_frame, open_capture
 from pirate_sm.robot.vision.opencv import cv2
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pirate_sm.core.camera import Lens
+from pirate_sm.robot.camera import Lens
 from pirate_sm.robot.vision.opencv import Floats, cv2
 from pirate_sm.robot.vision.projection import LensModel, UndistortedView
 

@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pirate_sm.core._model.camera import FileSource
-from pirate_sm.core.camera import ImagesSource
 from pirate_sm.core.errors import UsageError
+from pirate_sm.robot.camera import FileSource, ImagesSource
 from pirate_sm.robot.vision.opencv import cv2
 from pirate_sm.robot.vision.sightings import SyntheticSightings, open_sightings
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pirate_sm.core.camera import Camera
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import SeenMark
+from pirate_sm.robot.camera import Camera
 from pirate_sm.robot.vision.seeing import eye_of
 from pirate_sm.robot.vision.synthetic import ShownScene
 

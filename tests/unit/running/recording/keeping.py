@@ -7,9 +7,9 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from functools import cache
 
+from pirate_sm.core import library
 from pirate_sm.core.effects import Effect, Ended, Log, Setpoints, WakeAt
 from pirate_sm.core.events import Event, SensorFrame, Tick
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedMission, load_mission
 from pirate_sm.running.recording.format.header import RunHeader, header_of
 from pirate_sm.running.recording.write.recorder import Recorder

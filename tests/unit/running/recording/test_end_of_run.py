@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
+from pirate_sm.core._engine.robot.robot_state import Flight
 from pirate_sm.core.effects import CommandStatus
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import RecordingError
-from pirate_sm.core.robot import Flight
 from pirate_sm.running.recording.format.engine_topics import UNLOGGED, Placed
 from pirate_sm.running.recording.read.pieces import Gap, Message
 from pirate_sm.running.recording.read.reader import Recording, read_end_of_recording, read_recording

@@ -14,7 +14,8 @@ from recording_runs import ROOT, record
 
 from pirate_sm.core.effects import CommandStatus
 from pirate_sm.core.errors import RecordingError
-from pirate_sm.core.loading import LoadedMission, load_mission, with_zeros
+from pirate_sm.core.loading import LoadedMission, load_mission
+from pirate_sm.robot.calibration_files import with_zeros
 from pirate_sm.running.recording.format.header import RunHeader, header_of
 from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.running.recording.recorded_mission import (

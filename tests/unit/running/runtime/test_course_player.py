@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from pirate_sm.core import effects as fx
-from pirate_sm.core.mission import Happening
+from pirate_sm.robot.backends.trace_script import Happening
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, prepare
 

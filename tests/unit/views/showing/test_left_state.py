@@ -5,8 +5,10 @@ import io
 import pytest
 
 from pirate_sm.cli.output.event_lines import EventLines, ObservedRun
-from pirate_sm.core.engine import NOTHING, Evidence
-from pirate_sm.core.robot import DENIED, Mark
+from pirate_sm.core._engine.robot.criteria import NOTHING
+from pirate_sm.core._engine.robot.robot_state import DENIED
+from pirate_sm.core.engine import Evidence
+from pirate_sm.core.robot import Mark
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, prepare
 from pirate_sm.views.showing.effect_lines import left_state

@@ -9,8 +9,9 @@ from math import isnan, nan
 import pytest
 from rich.text import Text
 
+from pirate_sm.core._engine.robot.robot_state import DENIED
 from pirate_sm.core.effects import Fault
-from pirate_sm.core.robot import DENIED, STOPPED, Mark
+from pirate_sm.core.robot import STOPPED, Mark
 from pirate_sm.robot.backends.serial.link.health import LinkHealth
 from pirate_sm.views.console.availability import UNHEARD, command_reason, controls, drive_doubt
 from pirate_sm.views.showing import body_panel, panels

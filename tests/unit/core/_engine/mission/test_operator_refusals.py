@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.core._engine.engine import Engine
-from pirate_sm.core._engine.inputs import why_not_command
 from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core._model.effects import CommandStatus
 from pirate_sm.core._model.events import Abort, OperatorCommand, SubmitResult, Tick
@@ -31,7 +30,7 @@ def test_the_reason_told_beforehand_is_the_one_given_afterwards(leading):
     for index, command in enumerate(loaded.robot.commands):
         _, effects = engine.step(state, OperatorCommand(command.name), now)
         refused = [each.reason for each in effects if isinstance(each, CommandStatus)]
-        found[command.name] = why_not_command(loaded.robot, state, index), refused[:1]
+        found[command.name] = state.why_not_command(loaded.robot, index), refused[:1]
 
     assert all(
         told == ("" if given in ([""], []) else given[0]) for told, given in found.values()
@@ -45,7 +44,7 @@ def test_nothing_can_be_asked_for_while_the_mission_is_ending():
     state, _ = engine.start(paused=True)
     state, _ = engine.step(state, Abort("enough"), 0.0)
 
-    assert why_not_command(loaded.robot, state, 0) == "impossible: the mission is ending"
+    assert state.why_not_command(loaded.robot, 0) == "impossible: the mission is ending"
 
 
 def driving(share: float = 1.0):
@@ -66,8 +65,8 @@ def driving(share: float = 1.0):
 def test_a_brake_may_end_the_drive_that_the_operator_has_under_way():
     robot, engine, state = driving()
     brake = robot.table.command_index["Brake"]
-    assert why_not_command(robot, state, brake) == "impossible: another command is under way"
-    assert why_not_command(robot, state, brake, at_once=True) == ""
+    assert state.why_not_command(robot, brake) == "impossible: another command is under way"
+    assert state.why_not_command(robot, brake, at_once=True) == ""
     _, refused = engine.step(state, OperatorCommand("Brake"), 120.0)
     assert [each.status for each in refused if isinstance(each, CommandStatus)] == ["refused"]
 
@@ -82,7 +81,7 @@ def test_no_other_command_ends_one_that_is_under_way():
     robot, _, state = driving()
     for name, index in robot.table.command_index.items():
         if name != "Brake":
-            assert why_not_command(robot, state, index, at_once=True), name
+            assert state.why_not_command(robot, index, at_once=True), name
 
 
 def test_a_drive_at_a_share_of_its_speed_leaves_the_clamps_alone():
@@ -102,5 +101,5 @@ def test_a_brake_does_not_end_a_command_while_nothing_drives():
     state, _ = engine.step(state, SubmitResult(state.robot.flight.setpoint_id, "accepted"), 0.0)
     brake = loaded.robot.table.command_index["Brake"]
 
-    reason = why_not_command(loaded.robot, state, brake, at_once=True)
+    reason = state.why_not_command(loaded.robot, brake, at_once=True)
     assert reason == "impossible: another command is under way"

@@ -14,7 +14,6 @@ from pirate_sm.core._engine.resuming.reconciling import (
     VerdictTable,
     Word,
     adoptable,
-    shown_instead,
 )
 from pirate_sm.core._engine.robot.confirmation import declared_in
 from pirate_sm.core._engine.robot.robot_state import DECLARED, Mark
@@ -82,29 +81,29 @@ def test_what_nothing_contradicts_stays_declared(robot):
     declared = table(robot, DECLARED_STATES, {"Grip": "unknown"})
     other = table(robot, ("NoseHeld", "Resting", "Dark"), {"Grip": "confirmed"})
 
-    assert shown_instead(robot, seen(declared, other)) == ()
+    assert seen(declared, other).shown_instead(robot) == ()
 
 
 def test_while_a_wheel_turns_nothing_is_adopted(robot, declared):
     other = table(robot, ("NoseHeld", "Resting", "Dark"), {"Grip": "confirmed"})
 
-    assert shown_instead(robot, seen(declared, other)) == (other,)
-    assert shown_instead(robot, seen(declared, other, turning=True)) == ()
+    assert seen(declared, other).shown_instead(robot) == (other,)
+    assert seen(declared, other, turning=True).shown_instead(robot) == ()
 
 
 def test_the_configuration_counts_of_which_most_is_confirmed(robot, declared):
     less = table(robot, ("NoseHeld", "Resting", "Dark"), {"Crawl": "confirmed"})
     most = table(robot, ("TailHeld", "Resting", "Lit"), {"Crawl": "confirmed", "Grip": "confirmed"})
 
-    assert shown_instead(robot, seen(declared, less, most)) == (most,)
-    assert shown_instead(robot, seen(declared, most, less)) == (most,)
+    assert seen(declared, less, most).shown_instead(robot) == (most,)
+    assert seen(declared, most, less).shown_instead(robot) == (most,)
 
 
 def test_where_neither_confirms_all_that_the_other_does_a_person_chooses(robot, declared):
     grip = table(robot, ("NoseHeld", "Resting", "Dark"), {"Grip": "confirmed"})
     crawl = table(robot, ("TailHeld", "Resting", "Lit"), {"Crawl": "confirmed"})
 
-    assert shown_instead(robot, seen(declared, grip, crawl)) == (grip, crawl)
+    assert seen(declared, grip, crawl).shown_instead(robot) == (grip, crawl)
 
 
 def test_what_sensors_cannot_tell_apart_is_taken_as_declared(robot, declared):
@@ -112,7 +111,7 @@ def test_what_sensors_cannot_tell_apart_is_taken_as_declared(robot, declared):
     lit = table(robot, ("NoseHeld", "Resting", "Lit"), {"Grip": "confirmed"})
     tail = table(robot, ("TailHeld", "Resting", "Dark"), {"Grip": "confirmed"})
 
-    found = shown_instead(robot, seen(declared, lit, dark, tail))
+    found = seen(declared, lit, dark, tail).shown_instead(robot)
 
     assert states_of(robot, found) == [
         ("NoseHeld", "Resting", "Dark"),
@@ -131,5 +130,5 @@ def test_what_is_contradicted_or_refused_is_not_adopted(robot, declared, words, 
     bad = table(robot, ("NoseHeld", "Resting", "Dark"), words, *refusals)
     good = table(robot, ("TailHeld", "Resting", "Dark"), {"Crawl": "confirmed"})
 
-    assert shown_instead(robot, seen(declared, bad, good)) == (good,)
-    assert shown_instead(robot, seen(declared, bad)) == ()
+    assert seen(declared, bad, good).shown_instead(robot) == (good,)
+    assert seen(declared, bad).shown_instead(robot) == ()

@@ -15,7 +15,6 @@ from pirate_sm.core._engine.resuming.resumption import (
     Resumption,
     position_read,
     resumption,
-    unknown_position,
     unknowns,
 )
 from pirate_sm.core._model import effects as fx
@@ -56,7 +55,7 @@ def found(driver: Driver, driven_s: float = 0.4, **signals: float) -> tuple[Resu
     it = resumption(cut.robot, cut.program, cut.last, cut.last_s, cut.recorded, way)
     assert isinstance(it, Resumption)
     program = it.program(cut.program)
-    position = unknown_position(cut.robot, program, it)
+    position = it.unknown_position(cut.robot, program)
     told = (*unknowns(cut.robot, program, seen.tables[0]), *([position] if position else []))
     return it, [each.partition(" (")[0] for each in told]
 

@@ -6,10 +6,10 @@ from math import radians
 
 import pytest
 
+from pirate_sm.core import library
 from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import at_rest_in
-from pirate_sm.core._loading import library
 from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core._model.effects import Setpoints
 from pirate_sm.core._model.events import SensorFrame

@@ -4,7 +4,7 @@ from math import sqrt
 
 import pytest
 
-from pirate_sm.core._loading import library
+from pirate_sm.core import library
 from pirate_sm.core._loading.mission.loader import holding_in, load_mission
 
 LEG_M, HEIGHT_M, FRICTION, WEIGHT_N = 0.09, 0.072, 0.7, 0.79 * 9.81

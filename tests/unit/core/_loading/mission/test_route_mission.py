@@ -6,7 +6,7 @@ from math import pi
 
 import pytest
 
-from pirate_sm.core._loading import library
+from pirate_sm.core import library
 from pirate_sm.core._loading.mission.generated import (
     RouteCourse,
     UndrivableError,

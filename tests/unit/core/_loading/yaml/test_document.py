@@ -10,7 +10,7 @@ import yaml
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from pirate_sm.core._loading import library
+from pirate_sm.core import library
 from pirate_sm.core._loading.problems import LoadError, Problem
 from pirate_sm.core._loading.yaml import composer
 from pirate_sm.core._loading.yaml.document import parse_document, read_document

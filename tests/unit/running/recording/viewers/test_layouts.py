@@ -12,7 +12,7 @@ import pytest
 from mcap.reader import make_reader
 from recording_runs import ROOT, record_with_viewers
 
-from pirate_sm.core.files import library
+from pirate_sm.core import library
 from pirate_sm.core.loading import load_mission
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission

@@ -11,8 +11,8 @@ import pytest
 
 from pirate_sm.core._geometry.chain import ORIGIN, Chain
 from pirate_sm.core.events import SensorFrame
-from pirate_sm.core.geometry import link_poses
 from pirate_sm.core.loading import load_mission, load_robot
+from pirate_sm.running.recording.viewers.transforms import link_poses
 from pirate_sm.running.recording.viewers.urdf import urdf
 from pirate_sm.simulation.backend import SimulatorBackend
 

@@ -15,8 +15,8 @@ from mcap.reader import make_reader
 from recording_runs import ROOT, record_with_viewers
 
 from pirate_sm.core import effects as fx
+from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_mission
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.viewers.live_server import Live

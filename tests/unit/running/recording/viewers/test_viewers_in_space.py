@@ -14,9 +14,10 @@ import pytest
 from recording_runs import ROOT, record_with_viewers
 
 from pirate_sm.core._geometry.network import Elbow, Mitre, Reducer, Straight, planar
-from pirate_sm.core.geometry import Route, dot, part_normals
+from pirate_sm.core.geometry import Route, dot
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.viewers.foxglove_scene import Cylinder, Mesh, walls_to_draw
+from pirate_sm.running.recording.viewers.pipe_walls import part_normals
 from pirate_sm.running.recording.viewers.transforms import Quaternion, about, of_axes
 from pirate_sm.running.wiring import Order
 from pirate_sm.views.console.recording_viewer import recorded_snapshots

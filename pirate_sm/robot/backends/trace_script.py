@@ -1,21 +1,82 @@
-"""Read trace scripts: a list of triggers to fire, or an event sequence."""
+"""Trace scripts: a list of triggers to fire, or an event sequence.
+
+``pirate check --counterexamples`` writes files with an event sequence.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from math import nan
-from typing import NamedTuple
+from typing import Annotated, Literal, NamedTuple, TypeAlias
 
-from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._expressions import EnumType
-from pirate_sm.core._loading.problems import Problems
-from pirate_sm.core._loading.yaml.document import Document
-from pirate_sm.core._loading.yaml.validation import try_validate, validate
-from pirate_sm.core._model.events import SignalReport
-from pirate_sm.core._model.triggers import UNKNOWN, Course, Happening, ScriptEntry
+from pydantic import Field, StringConstraints, model_validator
+
+from pirate_sm.core.documents import Document, Problems
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.events import SignalReport
+from pirate_sm.core.expressions import EnumType
+from pirate_sm.core.fields import Duration, FaultCode, Frozen, Name
+from pirate_sm.core.loading import try_validate, validate
+from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.spelling import meant, one_of
 from pirate_sm.core.units import QuantityError, read_quantity
+
+
+class ScriptEntry(Frozen):
+    """Fires the trigger after the time ``after``, in the next wait (of ``phase``) that has it."""
+
+    trigger: Name
+    after: Annotated[Duration, Field(ge=0)] | None = None
+    phase: str = ""
+
+
+UNKNOWN = "unknown"
+
+SignalName: TypeAlias = Annotated[
+    str, StringConstraints(pattern=r"^([A-Za-z_][A-Za-z0-9_]*|change\([A-Za-z_][A-Za-z0-9_]*\))$")
+]
+"""A signal, or its change since a wait began."""
+
+
+class Happening(Frozen):
+    """One event of a course.
+
+    Attributes:
+        happens: ``accepted`` and ``rejected``: the result of the setpoints in flight. ``time``: the
+            next deadline, at which a command counts as done. ``not_done``: the command under way
+            fails. ``sensors``: the signals change. ``answer`` of the operator. ``fault``.
+        signals: The signals and words from then on: quantities, words, or ``unknown``.
+        message: Message of a fault. With a rule's message the fault counts as raised by that rule.
+        of: The boards, joints, wheels and parts that it is a fault of.
+        what: A description of the event in the mission, for readers.
+    """
+
+    happens: Literal[
+        "start", "accepted", "rejected", "time", "not_done", "sensors", "answer", "fault"
+    ]
+    signals: dict[SignalName, str | int | float] = {}
+    answer: str | None = None
+    fault: FaultCode | None = None
+    message: str = ""
+    of: tuple[Name, ...] = ()
+    what: str = ""
+
+    @model_validator(mode="after")
+    def _complete(self) -> Happening:
+        for key in ("answer", "fault"):
+            if (getattr(self, key) is not None) != (self.happens == key):
+                raise ValueError(f"`{key}` says what happens where `happens: {key}`, only there")
+        for key in ("message", "of"):
+            if getattr(self, key) and self.fault is None:
+                raise ValueError(f"`{key}` is that of a fault, only with `happens: fault`")
+        return self
+
+
+class Course(Frozen):
+    """An event sequence from the start of a mission; after it, everything succeeds."""
+
+    format: Literal[1]
+    course: Annotated[tuple[Happening, ...], Field(min_length=1)]
 
 
 class Script(NamedTuple):

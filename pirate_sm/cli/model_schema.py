@@ -11,10 +11,10 @@ from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import core_schema
 
+from pirate_sm.core.fields import DEFINED, QUANTITY
 from pirate_sm.core.mission import End, FaultHandler, Phase, WaitStep
 from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import DEFINED, PostureCase, SafetyRule
-from pirate_sm.core.quantities import QUANTITY
+from pirate_sm.core.profile import PostureCase, SafetyRule
 
 _ATTRIBUTE = re.compile(r"    (\w+): (.*)")
 

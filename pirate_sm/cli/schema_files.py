@@ -9,17 +9,17 @@ import json
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from pirate_sm.checking.model_schema import DRAFT, schema_of
-from pirate_sm.core.camera import Camera
-from pirate_sm.core.campaign import Campaign, Scene
+from pirate_sm.cli.model_schema import DRAFT, schema_of
 from pirate_sm.core.expressions import KEYWORDS, EnumType
 from pirate_sm.core.loading import LoadedRobot
 from pirate_sm.core.mission import Mission
-from pirate_sm.core.panel import Panel
 from pirate_sm.core.pipe import PipeFile
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.robot import USUAL
 from pirate_sm.core.units import describe
+from pirate_sm.lab.campaign.campaign_model import Campaign, Scene
+from pirate_sm.robot.camera import Camera
+from pirate_sm.robot.control_panel.panel_file import Panel
 
 # --- charts --------------------------------------------------------------------------------------
 # :mod:`pirate_sm.core.loading` checks the same, and also references and guards, which

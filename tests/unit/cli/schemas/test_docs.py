@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.checking.schema_files import KINDS
+from pirate_sm.cli.schema_files import KINDS
 
 from .shipped import ROOT
 

@@ -19,19 +19,23 @@ from pydantic import (
     model_validator,
 )
 
-from pirate_sm.core._model.base import AlsoWritten, FaultCode, Format, Frozen, Name
-from pirate_sm.core._model.quantities import (
+from pirate_sm.core.fields import (
+    AlsoWritten,
     AnyQuantity,
     Duration,
+    FaultCode,
     Flag,
+    Format,
+    Frozen,
     Length,
+    Name,
     Ratio,
     kind_fault,
     quantity_fault,
     range_fault,
 )
-from pirate_sm.core._model.robot.simulation import DefectText
-from pirate_sm.core._model.run_options import JITTER, OPTIONS, RunOption
+from pirate_sm.core.options import JITTER, OPTIONS, RunOption
+from pirate_sm.core.simulation import DefectText, LineFaults
 from pirate_sm.core.units import (
     DIMENSIONLESS,
     LENGTH,
@@ -84,28 +88,6 @@ else:
         {o.word: o for o in OPTIONS.values() if o.in_campaigns == "one" and not o.key},
         left_open=True,
     )
-
-
-class LineFaults(Frozen):
-    """Faults of the serial line and of the controller, for the backend ``bay``.
-
-    Attributes:
-        loss_in: Share of frames lost on their way to the robot.
-        loss_out: Share of frames lost on their way back.
-        corruption: Share of bytes changed, in either direction.
-        delay: Added to every frame.
-        jitter: Up to this much more, drawn for each frame.
-        reset_every: Mean time between restarts of the controller.
-        cut_after: When the line is cut for good, after the start of the controller; 0 for never.
-    """
-
-    loss_in: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
-    loss_out: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
-    corruption: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
-    delay: Annotated[Duration, Field(ge=0)] = 0.0
-    jitter: Annotated[Duration, Field(ge=0)] = 0.0
-    reset_every: Annotated[Duration, Field(ge=0)] = 0.0
-    cut_after: Annotated[Duration, Field(ge=0)] = 0.0
 
 
 MOST_SEEDS = 10**9

@@ -6,7 +6,7 @@ from math import radians, sin, sqrt
 
 import pytest
 
-from pirate_sm.core._geometry.room import sink_m
+from pirate_sm.checking.pipe.bend_rules import sink_m
 
 RUN, WHEEL = 0.060, 0.024
 

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core._engine.robot import command_outcome
-from pirate_sm.core._engine.robot.command_outcome import changes, needs, refusal, taken_in
+from pirate_sm.core._engine.robot.command_outcome import refusal
 from pirate_sm.core._engine.robot.robot_state import at_rest_in
 from pirate_sm.core._loading.robot.loader import load_robot
+from pirate_sm.views.drawing import command_needs
+from pirate_sm.views.drawing.command_needs import changes, needs, taken_in
 
 ROOT = Path(__file__).resolve().parents[5]
 
@@ -132,7 +133,7 @@ def test_groups_of_states_that_make_no_box_are_told_one_by_one(monkeypatch):
         for number, states in enumerate(newt.table.configurations)
         if (states[grip], states[lamp]) in groups
     )
-    monkeypatch.setattr(command_outcome, "taken_in", lambda *_: taken)
+    monkeypatch.setattr(command_needs, "taken_in", lambda *_: taken)
 
     found = needs(newt, 0)
 

@@ -7,23 +7,42 @@ from collections.abc import Mapping
 from dataclasses import replace
 from math import degrees, radians
 from pathlib import Path
+from typing import Annotated
 
 from platformdirs import user_config_path
+from pydantic import Field
 
-from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._loading.library import shown
-from pirate_sm.core._loading.problems import Problems
-from pirate_sm.core._loading.robot.loader import LoadedRobot
-from pirate_sm.core._loading.yaml.document import read_document
-from pirate_sm.core._loading.yaml.validation import validate
-from pirate_sm.core._model.robot.body import Calibration
+from pirate_sm.core.documents import Problems, read_document
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.fields import Angle, Date, Format, Frozen, Name
+from pirate_sm.core.library import shown
+from pirate_sm.core.loading import LoadedRobot, validate
 from pirate_sm.core.on_disk import is_folder, replace_file
+from pirate_sm.core.robot import RobotSpec
 
 LARGEST_ZERO_RAD = radians(30)
 """A larger zero means a slipped magnet, which a calibration must not hide."""
 
 _FILE = re.compile(r"calibration-(\d{4}-\d{2}-\d{2})\.yaml")
+
+
+class Calibration(Frozen):
+    """The zeros of one robot's joints, measured on one day.
+
+    Attributes:
+        format: Version of this format.
+        robot: Name of the robot.
+        date: Date of the measurement.
+        port: Port of the robot.
+        zeros: The reading of each joint's sensor when the joint is at zero; it is subtracted from
+            each reading.
+    """
+
+    format: Format
+    robot: Name
+    date: Date
+    port: str = ""
+    zeros: Annotated[dict[Name, Angle], Field(min_length=1)]
 
 
 def find_calibration(robot: LoadedRobot) -> Path | None:

@@ -9,7 +9,7 @@ from typing import Any
 import jsonschema
 import pytest
 
-from pirate_sm.checking.schema_files import KINDS, MODELINE, mission_schema_text, schema_text
+from pirate_sm.cli.schema_files import KINDS, MODELINE, mission_schema_text, schema_text
 from pirate_sm.core.loading import load_robot
 
 from .shipped import (

@@ -11,8 +11,13 @@ import pytest
 from pirate_sm.core._engine.sensing.known_signals import nothing_known
 from pirate_sm.core._engine.sensing.signal_table import observe
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._loading.robot import calibration_files as calibrations
-from pirate_sm.core._loading.robot.calibration_files import (
+from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot
+from pirate_sm.core._model.events import SensorFrame
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.on_disk import replace_file
+from pirate_sm.robot import calibration_files as calibrations
+from pirate_sm.robot.calibration_files import (
+    Calibration,
     find_calibration,
     joints_of,
     keep_calibration,
@@ -21,13 +26,8 @@ from pirate_sm.core._loading.robot.calibration_files import (
     summary,
     with_zeros,
 )
-from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot
-from pirate_sm.core._model.events import SensorFrame
-from pirate_sm.core._model.robot.body import Calibration
-from pirate_sm.core.errors import UsageError
-from pirate_sm.core.on_disk import replace_file
 
-ROOT = Path(__file__).resolve().parents[5]
+ROOT = Path(__file__).resolve().parents[3]
 COUNTS_PER_REV = 4096
 
 

@@ -17,8 +17,8 @@ from pirate_sm.core._geometry.network import (
     Tee,
     planar,
 )
-from pirate_sm.core._geometry.room import Room
 from pirate_sm.core._geometry.route import Route
+from pirate_sm.robot.detectors.room import Room
 
 WHEEL, RADIUS = 0.024, 0.060
 FREE = RADIUS - WHEEL

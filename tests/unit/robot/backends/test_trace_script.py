@@ -8,13 +8,12 @@ from typing import Any
 import pytest
 
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._loading.library import find_robot
 from pirate_sm.core._loading.problems import LoadError
 from pirate_sm.core._loading.robot.loader import load_robot
-from pirate_sm.core._loading.trace_script import read_script, resolve_course
 from pirate_sm.core._loading.yaml.document import parse_document
-from pirate_sm.core._model.triggers import Happening
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.library import find_robot
+from pirate_sm.robot.backends.trace_script import Happening, read_script, resolve_course
 
 
 @pytest.fixture(scope="module")

@@ -13,19 +13,23 @@ from itertools import pairwise
 from math import asin, atan2, ceil, cos, inf, pi, sin, sqrt
 from typing import NamedTuple, TypeAlias
 
-from pirate_sm.core._geometry.network import BRANCH, Network, Piece, port_of
-from pirate_sm.core._geometry.placement import Placement
-from pirate_sm.core._geometry.plane import Walls, unit
-from pirate_sm.core._geometry.route import Route
-from pirate_sm.core._geometry.space import (
+from pirate_sm.core.geometry import (
+    BRANCH,
     DRAWING,
     Frame,
+    Network,
+    Piece,
     Place,
+    Placement,
+    Route,
     Vector,
+    Walls,
     between,
     combined,
     crossed,
     dot,
+    port_of,
+    scaled,
 )
 
 # --- walls ------------------------------------------------------------------------------------
@@ -225,6 +229,11 @@ _STEEP = 0.2
 """Sine of the angle to the vertical below which a pipe has no upper side."""
 
 
+def unit(vector: Vector) -> Vector:
+    """Return the vector with length 1."""
+    return scaled(dot(vector, vector) ** -0.5, vector)
+
+
 def upright(up: Vector) -> Frame:
     """Return the frame whose ``normal`` goes up and whose ``ahead`` is level.
 
@@ -310,3 +319,35 @@ def clock_rad(route: Route, arc_m: float, roll_rad: float) -> float:
     highest = frame.roll_of(across)
     direction = frame.rolled(highest).roll_of(frame.towards(roll_rad))
     return atan2(1.0, 0.0) + direction
+
+
+# --- the planes of the two parts of a robot in space ------------------------------------------
+
+
+def part_normals(
+    route: Route, points: Sequence[Vector], rear: int, rolls_rad: Sequence[float]
+) -> tuple[Vector, Vector]:
+    """Return the unit normals of the front and of the rear part, square to the link between them.
+
+    Args:
+        route: The route through the pipes.
+        points: Position of each wheel in the frame of the drawing, m.
+        rear: Index of the first wheel of the rear part.
+        rolls_rad: Roll of the front and of the rear part against the frame of the pipe where the
+            link between them begins and ends.
+    """
+    ahead = unit(combined((1.0, points[rear - 1]), (-1.0, points[rear])))
+    front, behind = (
+        _square(route.frame_at(route.arc_of(points[wheel])).rolled(roll_rad).normal, ahead)
+        for wheel, roll_rad in zip((rear - 1, rear), rolls_rad, strict=True)
+    )
+    return front, behind
+
+
+def _square(vector: Vector, ahead: Vector) -> Vector:
+    """Return the unit vector square to ``ahead`` that is nearest to a unit vector.
+
+    A pipe that turns by a right angle within the link leaves none; then it stays as it is.
+    """
+    across = combined((1.0, vector), (-dot(vector, ahead), ahead))
+    return unit(across) if dot(across, across) > 0.0 else vector

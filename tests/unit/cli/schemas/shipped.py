@@ -9,7 +9,7 @@ from typing import Any
 
 import jsonschema
 
-from pirate_sm.checking.schema_files import KINDS
+from pirate_sm.cli.schema_files import KINDS
 from pirate_sm.core.documents import read_document
 
 ROOT = Path(__file__).resolve().parents[4]

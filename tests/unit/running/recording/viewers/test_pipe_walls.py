@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.core._geometry.network import Elbow, Mitre, Reducer, Segment, Straight, planar
 from pirate_sm.core._geometry.route import Route
 from pirate_sm.core._geometry.space import DRAWING, dot
-from pirate_sm.core._geometry.views import (
+from pirate_sm.running.recording.viewers.pipe_walls import (
     clock_rad,
     outlines,
     plain_tubes,

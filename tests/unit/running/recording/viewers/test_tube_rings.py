@@ -20,7 +20,7 @@ from pirate_sm.core._geometry.network import (
 from pirate_sm.core._geometry.placement import place
 from pirate_sm.core._geometry.route import Route
 from pirate_sm.core._geometry.space import between, dot
-from pirate_sm.core._geometry.views import AROUND, plain_tubes, walls_in_space
+from pirate_sm.running.recording.viewers.pipe_walls import AROUND, plain_tubes, walls_in_space
 
 R, SMALL = 0.06, 0.04
 

@@ -6,17 +6,20 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, StringConstraints, Tag, model_validator
 
-from pirate_sm.core._model.base import Format, Frozen, Name, by_key
-from pirate_sm.core._model.quantities import (
+from pirate_sm.core.fields import (
     Angle,
     Count,
     Duration,
+    Format,
     Frequency,
+    Frozen,
     Length,
+    Name,
     Number,
     Pixels,
     PositiveLength,
     Ratio,
+    by_key,
 )
 
 LampColour = Literal["neutral", "warm", "cold"]

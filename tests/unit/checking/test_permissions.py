@@ -10,16 +10,16 @@ from typing import get_args
 
 import pytest
 
+from pirate_sm.checking import permissions
 from pirate_sm.cli import settings
 from pirate_sm.cli.entry import COMMANDS, _found
 from pirate_sm.cli.options.declaring import parameters_of
 from pirate_sm.cli.scene_steps import simulating, why_refused
-from pirate_sm.core._loading import permissions
 from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._model.campaign import SimulatedBackend
 from pirate_sm.core.errors import UsageError
 from pirate_sm.lab.campaign.campaign_file import check_campaign
+from pirate_sm.lab.campaign.campaign_model import SimulatedBackend
 from pirate_sm.running.wiring import Order
 from pirate_sm.running.wiring.resume_offer import EndOfRun, end_of_run
 from pirate_sm.running.wiring.resumed_run import prepare_again

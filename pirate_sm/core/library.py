@@ -13,7 +13,7 @@ from pirate_sm.core.on_disk import is_file, is_folder, is_there, why_hidden
 from pirate_sm.core.spelling import meant, nearest
 
 PROFILE_FILE = "profile.yaml"
-_PACKAGE = Path(__file__).resolve().parents[2]
+_PACKAGE = Path(__file__).resolve().parents[1]
 SUFFIXES = (".yaml", ".yml")
 _RECORDING = ".mcap"
 _LONGEST_NAME = 100
