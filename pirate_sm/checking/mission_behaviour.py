@@ -20,10 +20,9 @@ from pirate_sm.checking.exploring.exploration import (
     index_exploration,
 )
 from pirate_sm.checking.exploring.explore import conditions_of, explore
+from pirate_sm.core import program as steps
 from pirate_sm.core.effects import CommandStatus, Ended, PhaseChange
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.program import Program
-from pirate_sm.core.program import program as steps
 from pirate_sm.core.robot import RobotSpec
 
 # --- behaviours and their names ------------------------------------------------------------------
@@ -320,7 +319,7 @@ def _ends_of(found: Exploration, step: ExploredStep) -> Iterator[tuple[str, str]
             yield effect.outcome, effect.end
 
 
-def _triggers(book: Explored, program: Program) -> dict[tuple[str, str], Trigger]:
+def _triggers(book: Explored, program: steps.Program) -> dict[tuple[str, str], Trigger]:
     known: dict[tuple[str, str], dict[tuple[str, str], None]] = defaultdict(dict)
     for each in program.instructions:
         if isinstance(each, steps.Wait):
@@ -339,7 +338,7 @@ def _triggers(book: Explored, program: Program) -> dict[tuple[str, str], Trigger
     }
 
 
-def _target(program: Program, index: int, name: str) -> str:
+def _target(program: steps.Program, index: int, name: str) -> str:
     """Return the full name of the phase or end at an index, or the name as written."""
     if not 0 <= index < len(program.instructions):
         return name
@@ -352,7 +351,7 @@ def _target(program: Program, index: int, name: str) -> str:
             return name
 
 
-def _outcomes(book: Explored, program: Program) -> dict[str, PossibleEnd]:
+def _outcomes(book: Explored, program: steps.Program) -> dict[str, PossibleEnd]:
     messages = {it.end: it.message for it in program.instructions if isinstance(it, steps.Finish)}
     return {
         end or STOPPED: PossibleEnd(outcome == "succeeded", messages.get(end, ""))
@@ -360,7 +359,7 @@ def _outcomes(book: Explored, program: Program) -> dict[str, PossibleEnd]:
     }
 
 
-def _faults(program: Program, phases: Mapping[str, Hashable]) -> dict[tuple[str, str], str]:
+def _faults(program: steps.Program, phases: Mapping[str, Hashable]) -> dict[tuple[str, str], str]:
     found: dict[tuple[str, str], str] = {}
     for phase, handlers in zip(program.phase_of, program.handlers, strict=True):
         if phase not in phases:

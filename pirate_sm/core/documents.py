@@ -4,7 +4,6 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._loading import problems
 from pirate_sm.core._loading.problems import (
     Edit,
     LoadError,

@@ -18,5 +18,4 @@ from pirate_sm.core._expressions import (
 )
 from pirate_sm.core._expressions.compiler import Code, depth_of
 from pirate_sm.core._expressions.machine import DEEPEST
-from pirate_sm.core._expressions.tree import Signal, walk
 from pirate_sm.core._expressions.vocabulary import KEYWORDS, change_of

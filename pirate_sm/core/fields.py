@@ -4,7 +4,6 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._model import quantities
 from pirate_sm.core._model.base import (
     DEFINED,
     LONGEST_NAME,
@@ -20,11 +19,14 @@ from pirate_sm.core._model.quantities import (
     FROM_FILE,
     QUANTITY,
     Angle,
+    AngularSpeed,
     AnyQuantity,
     Count,
+    Damping,
     Duration,
     Flag,
     Frequency,
+    Inertia,
     Length,
     Number,
     Parameter,
@@ -32,6 +34,9 @@ from pirate_sm.core._model.quantities import (
     PositiveLength,
     Ratio,
     Speed,
+    SpringRate,
+    Torque,
+    VelocityGain,
     kind_fault,
     quantity_fault,
     range_fault,

@@ -4,7 +4,6 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._geometry import plane
 from pirate_sm.core._geometry.chain import (
     WHEELS_SHARE,
     ChainInSpace,

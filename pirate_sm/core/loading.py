@@ -19,10 +19,8 @@ from pirate_sm.core._loading.chart_outline import (
 from pirate_sm.core._loading.mission.called_missions import read_states
 from pirate_sm.core._loading.mission.generated import (
     BY_HAND,
-    UndrivableError,
     by_hand,
-    course_along,
-    mission_along,
+    mission_on_route,
 )
 from pirate_sm.core._loading.mission.loader import (
     TOLERABLE,
@@ -34,13 +32,12 @@ from pirate_sm.core._loading.mission.parameter_values import Value, Values, defa
 from pirate_sm.core._loading.mission.scope import TIME_LIMIT, trigger_names
 from pirate_sm.core._loading.pipe import (
     FOLDING_ROOM_RAD,
-    check_fit,
     check_pipe,
     check_reach,
     load_pipe,
     reach,
 )
-from pirate_sm.core._loading.references import followed, project_of
+from pirate_sm.core._loading.references import project_of
 from pirate_sm.core._loading.robot.loader import (
     LoadedRobot,
     check_twin,

@@ -5,14 +5,16 @@
 from __future__ import annotations
 
 from pirate_sm.core._engine.inputs import awaits_torques
-from pirate_sm.core._engine.mission import program
 from pirate_sm.core._engine.mission.interpreter import ROUND_AND_ROUND
 from pirate_sm.core._engine.mission.program import (
     HERE,
     STOP,
     Branch,
     Do,
+    Enter,
+    Finish,
     HandlerSpec,
+    Instruction,
     Program,
     Question,
     Raise,

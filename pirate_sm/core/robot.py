@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from pirate_sm.core._engine.mission.planning import Plan, RulePlaces, plans
-from pirate_sm.core._engine.robot import confirmation, duty_cycles, robot_state
+from pirate_sm.core._engine.robot import confirmation, duty_cycles
 from pirate_sm.core._engine.robot.command_outcome import lets_all_go, marks_after, refusal
 from pirate_sm.core._engine.robot.command_spec import SlotSpec, StageSpec, Write
 from pirate_sm.core._engine.robot.criteria import (

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pirate_sm.core.events import BuiltInFault, FaultReport, FrameBlock, SensorFrame
-from pirate_sm.core.geometry import GRAVITY_M_S2, Bend, plane
+from pirate_sm.core.geometry import GRAVITY_M_S2, Bend, drawn_walls
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.simulation import InSpace, Truth, Whereabouts
@@ -322,7 +322,7 @@ class SimulatedRobot:
         return FullTruth(
             wheels=self.wheels,
             wheel_radius_m=self._chain.wheel_radius_m,
-            walls=plane.drawn_walls(self._route),
+            walls=drawn_walls(self._route),
             distance_m=sum(arcs_m) / len(arcs_m) - self._start_m,
             touching=tuple(press > _TOUCHING_N for press in self.values("press")),
             rolls_rad=in_space.rolls_rad,

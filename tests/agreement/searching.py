@@ -16,12 +16,12 @@ from agreement.running import conditions_in
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, ranges
 from pirate_sm.core import effects as fx
 from pirate_sm.core import events as ev
+from pirate_sm.core._engine.robot import robot_state
 from pirate_sm.core._engine.state import OUTSIDE
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.expressions import EnumType, tree
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Question, Wait
-from pirate_sm.core.robot import robot_state
 
 MOST_SHOWN = 60
 MOST_STEPS = 30_000

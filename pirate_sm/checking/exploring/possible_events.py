@@ -10,7 +10,7 @@ from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.events import Answer, CommandFailed, Event, FaultReport, SubmitResult, Tick
 from pirate_sm.core.program import HandlerSpec, Program, Question, Wait, awaits_torques
-from pirate_sm.core.robot import RobotSpec, robot_state
+from pirate_sm.core.robot import RobotSpec, confirmed_parts, obeyed
 
 Kind: TypeAlias = Literal[
     "start", "accepted", "rejected", "time", "lasting", "failed", "sensors", "answer", "fault"
@@ -102,8 +102,8 @@ class Moves:
         robot = self._robot
         situation = (
             self._program.handlers[state.mission.pc],
-            robot_state.obeyed(robot, state.robot),
-            robot_state.confirmed_parts(robot, state.robot),
+            obeyed(robot, state.robot),
+            confirmed_parts(robot, state.robot),
         )
         reports = self._reports.get(situation)
         if reports is None:

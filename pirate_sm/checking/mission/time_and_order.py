@@ -20,7 +20,7 @@ from pirate_sm.core.geometry import dot
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.mission import CONTROL_WITHIN_S, Mission, Phase, WaitStep, every_step
 from pirate_sm.core.program import Do, Program, Question, SwitchControl, Wait
-from pirate_sm.core.robot import RobotSpec, RobotState, robot_state
+from pirate_sm.core.robot import RobotSpec, RobotState, confirmed_parts
 
 # --- order ---------------------------------------------------------------------------------------
 
@@ -233,7 +233,7 @@ def _loose_until_s(mission: MissionView) -> float:
     """Return when a part can hold at the earliest, with nominal durations; else the last time."""
     nodes = [node for book in mission.explored for node in book.found.nodes]
     robot = mission.loaded.robot
-    holds = [node.now for node in nodes if robot_state.confirmed_parts(robot, node.state.robot)]
+    holds = [node.now for node in nodes if confirmed_parts(robot, node.state.robot)]
     return min(holds, default=max(node.now for node in nodes))
 
 

@@ -15,8 +15,7 @@ from typing import NamedTuple
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce
 from pirate_sm.checking.pipe.robot_in_pipe import PartRolls, RollJoint
-from pirate_sm.core.program import Program
-from pirate_sm.core.program import program as steps
+from pirate_sm.core import program as steps
 from pirate_sm.core.robot import RobotSpec
 
 # --- bends ---------------------------------------------------------------------------------------
@@ -195,7 +194,7 @@ class _Follower:
     """
 
     force: InForce
-    program: Program
+    program: steps.Program
     bends: Bends
     roll_joint: RollJoint
     leads: tuple[int, ...]
@@ -305,7 +304,7 @@ class _Follower:
 
 
 def course_of(
-    force: InForce, program: Program, joints: int = 0, *, failing: bool = False
+    force: InForce, program: steps.Program, joints: int = 0, *, failing: bool = False
 ) -> UsualCourse | None:
     """Return the course of the mission; None if it is too large.
 

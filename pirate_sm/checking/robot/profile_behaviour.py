@@ -14,7 +14,7 @@ from pirate_sm.core.documents import LoadError, Path, read_document
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.expressions import tree
 from pirate_sm.core.library import find_mission
-from pirate_sm.core.loading import followed
+from pirate_sm.core.loading import references
 from pirate_sm.core.robot import (
     AcceptedSpec,
     AnglesSpec,
@@ -64,7 +64,7 @@ def travel_missions(view: RobotView) -> Iterator[Finding]:
         message = ""
         try:
             file = find_mission(name, view.loaded.folder)
-            mission = read_document(followed(file, view.loaded.folder)).data
+            mission = read_document(references.followed(file, view.loaded.folder)).data
             parameters = mission.get("parameters")
             known = parameters if isinstance(parameters, Mapping) else {}
             if path == ("last",) and "way" not in known:

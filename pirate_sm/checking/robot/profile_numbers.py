@@ -10,7 +10,7 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.core.documents import Path
 from pirate_sm.core.loading import FOLDING_ROOM_RAD
-from pirate_sm.core.profile import Load, Target, Turning
+from pirate_sm.core.profile import Target, criteria
 from pirate_sm.core.robot import (
     AcceptedSpec,
     AlignedSpec,
@@ -125,8 +125,12 @@ def hidden_motors(view: RobotView) -> Iterator[Finding]:
         "above": all(motor.no_load_speed for slot, motor in motors if slot.wheel),
     }
     for path, how in found:
-        key = "torque" if isinstance(how, Load) else "above"
-        if isinstance(how, Load | Turning) and getattr(how, key) is not None and known[key]:
+        key = "torque" if isinstance(how, criteria.Load) else "above"
+        if (
+            isinstance(how, criteria.Load | criteria.Turning)
+            and getattr(how, key) is not None
+            and known[key]
+        ):
             message = f"a motor of this robot may differ: say it as a `share`, not by `{key}`"
             yield view.at((*path, key), "robot.hidden_motor", message)
 

@@ -18,23 +18,17 @@ from pirate_sm.cli.options.files import (
 )
 from pirate_sm.cli.schema_files import MODELINE, mission_schema_text, schema_text
 from pirate_sm.core import library
-from pirate_sm.core.documents import Problems
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.library import PROFILE_FILE
 from pirate_sm.core.loading import (
     LoadedRobot,
-    UndrivableError,
-    check_fit,
-    course_along,
     load_mission,
-    load_pipe,
     load_robot,
-    mission_along,
+    mission_on_route,
 )
 from pirate_sm.core.on_disk import is_file, is_there
 from pirate_sm.core.profile import Travel
 from pirate_sm.core.robot import at_rest_in, refusal
-from pirate_sm.core.spelling import meant
 from pirate_sm.lab.experiments.needed_extras import is_missing
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
@@ -116,24 +110,9 @@ def _along_route(options: NewMissionOptions, loaded: LoadedRobot, robot: str) ->
     """
     assert options.pipe is not None
     file = library.find_pipe(options.pipe, Path.cwd())
-    pipe, document = load_pipe(file)
-    problems = Problems(document)
-    check_fit(pipe, loaded.profile, document, problems)
-    problems.raise_errors()
-    route = options.route
-    if route is not None and route not in pipe.ways:
-        hint = meant(route, sorted(pipe.ways))
-        raise UsageError(f"'{options.pipe}' has no route '{route}': {hint}")
     travel = loaded.profile.travel and _called_from_here(loaded.profile.travel, loaded.folder)
     profile = loaded.profile.model_copy(update={"travel": travel})
-    try:
-        course = course_along(pipe.along(route) if route else pipe, profile)
-    except UndrivableError as refusal:
-        problems.add("route.undrivable", refusal.path, refusal.message, expected=refusal.needed)
-        problems.raise_errors()
-        raise
-    assert travel is not None  # as course_along has seen
-    return mission_along(options.name, route or "", options.pipe, robot, course, travel)
+    return mission_on_route(options.name, options.pipe, file, options.route, robot, profile)
 
 
 def _called_from_here(travel: Travel, folder: Path) -> Travel:

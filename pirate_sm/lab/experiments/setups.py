@@ -11,16 +11,22 @@ from pydantic import AfterValidator, Field
 
 from pirate_sm.core.fields import (
     Angle,
+    AngularSpeed,
     Count,
+    Damping,
     Duration,
+    Flag,
     Format,
     Frozen,
+    Inertia,
     Length,
     Name,
     Number,
     Speed,
+    SpringRate,
+    Torque,
+    VelocityGain,
 )
-from pirate_sm.core.fields import quantities as si
 from pirate_sm.core.simulation import DefectText, Friction
 from pirate_sm.core.units import parse_unit
 from pirate_sm.views.drawing.svg.plot import Plot
@@ -250,8 +256,8 @@ class BendSetup(MissionSetup):
 # --- traction ------------------------------------------------------------------------------------
 
 
-Moment = Annotated[si.Duration, Field(ge=0)]
-PositiveNumber = Annotated[si.Number, Field(gt=0)]
+Moment = Annotated[Duration, Field(ge=0)]
+PositiveNumber = Annotated[Number, Field(gt=0)]
 
 
 class Bristle(Frozen):
@@ -262,8 +268,8 @@ class Bristle(Frozen):
         damping: Along the pipe.
     """
 
-    stiffness: Annotated[si.SpringRate, Field(gt=0)]
-    damping: Annotated[si.Damping, Field(gt=0)]
+    stiffness: Annotated[SpringRate, Field(gt=0)]
+    damping: Annotated[Damping, Field(gt=0)]
 
 
 class ReducedPhysics(Frozen):
@@ -280,14 +286,14 @@ class ReducedPhysics(Frozen):
         tick: Of the controller; a whole number of steps.
     """
 
-    diameter: Annotated[si.Length, Field(gt=0)]
+    diameter: Annotated[Length, Field(gt=0)]
     friction: dict[Name, Friction]
-    threshold: Annotated[si.Speed, Field(gt=0)]
-    rotor: Annotated[si.Inertia, Field(ge=0)]
-    disk: Annotated[si.Inertia, Field(gt=0)]
+    threshold: Annotated[Speed, Field(gt=0)]
+    rotor: Annotated[Inertia, Field(ge=0)]
+    disk: Annotated[Inertia, Field(gt=0)]
     bristle: Bristle
-    step: Annotated[si.Duration, Field(gt=0)]
-    tick: Annotated[si.Duration, Field(gt=0)]
+    step: Annotated[Duration, Field(gt=0)]
+    tick: Annotated[Duration, Field(gt=0)]
 
 
 class TractionControl(Frozen):
@@ -302,9 +308,9 @@ class TractionControl(Frozen):
         share: The torque of eq. 3-24 as printed, or twice it, which the outer wheels need.
     """
 
-    gain: Annotated[si.VelocityGain, Field(gt=0)]
-    speed: Annotated[si.Speed, Field(gt=0)]
-    fixed: Annotated[si.Torque, Field(gt=0)]
+    gain: Annotated[VelocityGain, Field(gt=0)]
+    speed: Annotated[Speed, Field(gt=0)]
+    fixed: Annotated[Torque, Field(gt=0)]
     friction: dict[Name, PositiveNumber]
     safety: PositiveNumber
     share: Literal["as_printed", "corrected"] = "as_printed"
@@ -335,7 +341,7 @@ class GravityTurn(Frozen):
 
     begin: Annotated[Moment, Field(alias="from")]
     to: Moment
-    tilt: si.Angle
+    tilt: Angle
 
 
 class TractionTimeline(Frozen):
@@ -355,7 +361,7 @@ class TractionTimeline(Frozen):
     drives: tuple[Drive, ...]
     turn: GravityTurn
     grip: Moment
-    end: Annotated[si.Duration, Field(gt=0)]
+    end: Annotated[Duration, Field(gt=0)]
 
 
 class NoiseLevel(Frozen):
@@ -366,8 +372,8 @@ class NoiseLevel(Frozen):
         tilt: Of the measured tilt.
     """
 
-    speed: Annotated[si.AngularSpeed, Field(ge=0)] = 0.0
-    tilt: Annotated[si.Angle, Field(ge=0)] = 0.0
+    speed: Annotated[AngularSpeed, Field(ge=0)] = 0.0
+    tilt: Annotated[Angle, Field(ge=0)] = 0.0
 
 
 class Variant(Frozen):
@@ -379,8 +385,8 @@ class Variant(Frozen):
         about: One line for people.
     """
 
-    compensated: si.Flag
-    gripped: si.Flag
+    compensated: Flag
+    gripped: Flag
     about: str
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from pirate_sm.core.documents import Document, Problems, read_document
-from pirate_sm.core.documents import problems as found
+from pirate_sm.core.documents import Path as Keys
 from pirate_sm.core.loading import validate
 from pirate_sm.lab.campaign.campaign_model import Scene, SceneStep
 
@@ -21,7 +21,7 @@ _FOLDER = re.compile(r"\{([^{}]*)\}")
 _SUCCEEDED = (0, 5)
 """Exit codes of missions that have succeeded, with an incomplete recording too."""
 
-Refusal: TypeAlias = Callable[[SceneStep], Iterable[tuple[str, found.Path, str]]]
+Refusal: TypeAlias = Callable[[SceneStep], Iterable[tuple[str, Keys, str]]]
 """Returns why a step cannot be played: for each reason its code, its keys and the message."""
 
 
@@ -64,7 +64,7 @@ def _read(path: Path, refusal: Refusal | None) -> tuple[Scene, Document, Problem
     return scene, document, problems
 
 
-def _check(step: SceneStep, problems: Problems, at: found.Path, refusal: Refusal | None) -> None:
+def _check(step: SceneStep, problems: Problems, at: Keys, refusal: Refusal | None) -> None:
     """Report what is wrong with a step's command line."""
     path = (*at, "command")
     unknown = [name for name in _FOLDER.findall(step.command) if name not in (OUT, HERE)]
@@ -95,9 +95,7 @@ def _check(step: SceneStep, problems: Problems, at: found.Path, refusal: Refusal
             problems.add(code, (*at, *keys), why)
 
 
-def _check_recordings(
-    step: SceneStep, before: set[str], problems: Problems, at: found.Path
-) -> None:
+def _check_recordings(step: SceneStep, before: set[str], problems: Problems, at: Keys) -> None:
     """Report recordings that a step reads and no step before it writes; add its own words."""
     words = step.command.split()
     for option, word in zip(["", *words], words, strict=False):

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from pirate_sm.core.expressions import Signal, walk
+from pirate_sm.core.expressions import tree
 from pirate_sm.core.profile import Profile, Slot
 from pirate_sm.core.profile import signals as kinds
 from pirate_sm.core.robot import RobotSpec
@@ -148,7 +148,9 @@ class _Seeker:
         }
         self._heat: dict[str, list[int]] = {}
         for index, rule in enumerate(robot.faults):
-            names = {node.name for node in walk(rule.when.tree) if isinstance(node, Signal)}
+            names = {
+                node.name for node in tree.walk(rule.when.tree) if isinstance(node, tree.Signal)
+            }
             if len(names) == 1 and rule.held_s > 0:
                 self._heat.setdefault(names.pop(), []).append(index)
 

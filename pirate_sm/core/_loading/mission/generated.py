@@ -8,17 +8,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import product
 from math import degrees, inf, isnan, pi, remainder
+from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.core._engine.mission.program import Enter, HandlerSpec, Program, Wait
 from pirate_sm.core._geometry.route import Route, RouteJoint
 from pirate_sm.core._loading.mission.loader import LoadedMission
+from pirate_sm.core._loading.pipe import check_fit, load_pipe
+from pirate_sm.core._loading.problems import Problems
 from pirate_sm.core._loading.robot.loader import LoadedRobot
 from pirate_sm.core._model.mission import End, Mission, Phase
 from pirate_sm.core._model.pipe import Pipe
 from pirate_sm.core._model.pipe_runs import KeyPath
 from pirate_sm.core._model.robot.profile import PassedBy, Profile, Travel, Turn
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.spelling import meant
 
 _SPARE_M = 0.1
 """The robot stops this far before the end of the route, and leaves so much room to each side of the
@@ -325,6 +329,40 @@ def _following(phases: Sequence[str]) -> Sequence[str]:
 
 
 BY_HAND = "by_hand"
+
+
+def mission_on_route(
+    name: str, pipe_name: str, file: Path, route: str | None, robot: str, profile: Profile
+) -> str:
+    """Return the text of a mission along a route of a pipe.
+
+    Args:
+        name: Name of the mission.
+        pipe_name: What the mission calls the pipe.
+        file: The file of the pipe.
+        route: Name of the route; None: the pipe's own.
+        robot: What the mission calls the robot.
+        profile: The robot's profile.
+
+    Raises:
+        LoadError: The pipe has faults, or the robot does not fit into it or cannot pass a joint.
+        UsageError: There is no such route.
+    """
+    pipe, document = load_pipe(file)
+    problems = Problems(document)
+    check_fit(pipe, profile, document, problems)
+    problems.raise_errors()
+    if route is not None and route not in pipe.ways:
+        hint = meant(route, sorted(pipe.ways))
+        raise UsageError(f"'{pipe_name}' has no route '{route}': {hint}")
+    try:
+        course = course_along(pipe.along(route) if route else pipe, profile)
+    except UndrivableError as refusal:
+        problems.add("route.undrivable", refusal.path, refusal.message, expected=refusal.needed)
+        problems.raise_errors()
+        raise
+    assert profile.travel is not None  # as course_along has seen
+    return mission_along(name, route or "", pipe_name, robot, course, profile.travel)
 
 
 def by_hand(robot: LoadedRobot, pipe: Pipe | None = None, pipe_name: str = "") -> LoadedMission:

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree as Xml
 
-from pirate_sm.core.profile import Profile
-from pirate_sm.core.profile import body as model
+from pirate_sm.core.profile import Body, Link, Profile
 
 
 def urdf(profile: Profile) -> str:
@@ -36,12 +35,12 @@ def urdf(profile: Profile) -> str:
     return '<?xml version="1.0"?>\n' + Xml.tostring(root, encoding="unicode") + "\n"
 
 
-def _reach(link: model.Link) -> float:
+def _reach(link: Link) -> float:
     """Return the distance from a link's last frame to the link's end, m."""
     return link.length if link.roll is None else link.length / 2
 
 
-def _link(root: Xml.Element, name: str, length: float, mass: float, body: model.Body) -> None:
+def _link(root: Xml.Element, name: str, length: float, mass: float, body: Body) -> None:
     link = Xml.SubElement(root, "link", name=name)
     thick = 2 * body.body_half_thickness
     for kind in ("visual", "collision"):
@@ -88,7 +87,7 @@ def _roll(
     _limit(element, float(limit) if limit else 3.1416, _motor(profile, "roll", name))
 
 
-def _wheel(root: Xml.Element, body: model.Body, number: int, parent: str, x: float) -> None:
+def _wheel(root: Xml.Element, body: Body, number: int, parent: str, x: float) -> None:
     wheel = body.wheels[number]
     link = Xml.SubElement(root, "link", name=wheel.name)
     shape = Xml.SubElement(link, "visual")

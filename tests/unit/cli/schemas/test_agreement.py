@@ -15,9 +15,9 @@ from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
 from pirate_sm.core import units
+from pirate_sm.core._model import quantities
 from pirate_sm.core._model.robot.actuation import SlotSetpoint
 from pirate_sm.core.documents import Problems, parse_document
-from pirate_sm.core.fields import quantities
 from pirate_sm.core.loading import outline_chart
 from pirate_sm.core.mission import Mission
 from pirate_sm.core.pipe import PipeFile
