@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from pirate_sm.checking.findings import Finding, Severity, each_once, finding_of, settle
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
@@ -22,7 +22,6 @@ from pirate_sm.checking.reports.check_report import (
     Rehearse,
     rehearsed,
 )
-from pirate_sm.checking.reports.counterexamples import Examples
 from pirate_sm.checking.robot.check_robot import check_robot
 from pirate_sm.core import library
 from pirate_sm.core.documents import (
@@ -49,10 +48,9 @@ from pirate_sm.core.loading import (
 from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.simulation import Twin
-from pirate_sm.robot.backends.trace_script import read_script
-from pirate_sm.robot.calibration_files import Calibration, load_calibration
-from pirate_sm.robot.camera_file import check_robot_seen, load_camera
-from pirate_sm.robot.control_panel.panel_file import check_names, read_panel, robot_of
+
+if TYPE_CHECKING:
+    from pirate_sm.checking.reports.counterexamples import Examples
 
 # --- options -------------------------------------------------------------------------------------
 
@@ -151,7 +149,8 @@ class _Check:
         self._pipes: dict[str, tuple[CheckTarget, Pipe, Document]] = {}  # by their files
         self._used: set[str] = set()  # files that missions or campaigns were checked with
         self._rehearsals: list[Rehearsal] = []
-        self._examples = wishes.counterexamples and Examples(wishes.counterexamples)
+        folder = wishes.counterexamples
+        self._examples = None if folder is None else _examples_in(folder)
 
     def take(self, target: CheckTarget) -> None:
         """Check one file, and add its findings."""
@@ -282,6 +281,8 @@ class _Check:
 
     def calibration(self, target: CheckTarget) -> None:
         """Check a calibration against its robot, if that is known."""
+        from pirate_sm.robot.calibration_files import Calibration, load_calibration
+
         document = self._document(target)
         calibration = validate(document, Calibration)
         folder = _folder(target.path)
@@ -303,6 +304,8 @@ class _Check:
 
         A camera names no robot: a robot that it does not fit is an error where it is used.
         """
+        from pirate_sm.robot.camera_file import check_robot_seen, load_camera
+
         camera, document = load_camera(target.path)
         self._keep([document])
         problems = Problems(document)
@@ -314,6 +317,8 @@ class _Check:
 
     def panel(self, target: CheckTarget) -> None:
         """Check a control panel, and its names against its robot, if that is known."""
+        from pirate_sm.robot.control_panel.panel_file import check_names, read_panel, robot_of
+
         panel, document, problems = read_panel(target.path)
         self._keep([document])
         robot = robot_of(panel, target.path.parent, problems, instead=self._wishes.robot)
@@ -323,6 +328,8 @@ class _Check:
 
     def script(self, target: CheckTarget) -> None:
         """Check the form of a trace script; its names depend on its mission."""
+        from pirate_sm.robot.backends.trace_script import read_script
+
         read_script(self._document(target))
 
     def above(self, target: CheckTarget) -> None:
@@ -404,6 +411,12 @@ class _Check:
 
     def _add(self, code: str, name: str, message: str) -> None:
         self.findings.append(Finding(code, Severity.ERROR, Place(name), message))
+
+
+def _examples_in(folder: Path) -> Examples:
+    from pirate_sm.checking.reports.counterexamples import Examples
+
+    return Examples(folder)
 
 
 _CHECKS: Mapping[FileKind, Callable[[_Check, CheckTarget], None]] = {

@@ -13,6 +13,7 @@ from pirate_sm.core._engine.gliding.quiet_frames import (
     Watch,
     sensing_after,
 )
+from pirate_sm.core._engine.recorded_robot import RobotListener, RobotLook
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.sensing import environment, evaluator, surveyor
 from pirate_sm.core._engine.sensing.board_spec import board_name

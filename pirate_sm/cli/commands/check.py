@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 from pirate_sm.checking.check_project import Wishes, check_paths
@@ -20,22 +21,11 @@ from pirate_sm.cli.output.terminal import columns_of, progress, shows_colour, wr
 from pirate_sm.core.documents import Document, FileKind, Problems
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.visible import visible
-from pirate_sm.views.showing.roles import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
 
 CLEAN, FOUND, NOTHING = 0, 1, 2
 
 _MOST_ROUNDS = 10
 """How often files are fixed and checked again, because one fault can hide the next. [decided]"""
-
-_STYLES = {
-    "error": f"bold {ON_A_TERMINAL[BAD]}",
-    "warning": f"bold {ON_A_TERMINAL[WARN]}",
-    "possible": f"bold {ON_A_TERMINAL[ACCENT]}",
-    "mark": f"bold {ON_A_TERMINAL[BAD]}",
-    "place": ON_A_TERMINAL[STRONG],
-    "label": ON_A_TERMINAL[MUTED],
-}
-"""Looks of the roles of text on a terminal."""
 
 
 def run_check(options: CheckOptions) -> int:
@@ -178,5 +168,20 @@ def _painted(role: str, text: str) -> str:
     from rich.color import ColorSystem
     from rich.style import Style
 
-    style = Style.parse(_STYLES.get(role, ""))
+    style = Style.parse(_styles().get(role, ""))
     return style.render(visible(text), color_system=ColorSystem.STANDARD)
+
+
+@cache
+def _styles() -> Mapping[str, str]:
+    """Return the looks of the roles of text on a terminal."""
+    from pirate_sm.views.showing.roles import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
+
+    return {
+        "error": f"bold {ON_A_TERMINAL[BAD]}",
+        "warning": f"bold {ON_A_TERMINAL[WARN]}",
+        "possible": f"bold {ON_A_TERMINAL[ACCENT]}",
+        "mark": f"bold {ON_A_TERMINAL[BAD]}",
+        "place": ON_A_TERMINAL[STRONG],
+        "label": ON_A_TERMINAL[MUTED],
+    }

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import isnan, nan
+from typing import TYPE_CHECKING
 
 from pirate_sm.core._engine import inputs
 from pirate_sm.core._engine.consequences import settle
@@ -16,7 +17,6 @@ from pirate_sm.core._engine.gliding.quiet_frames import Glided, Watch, after_gli
 from pirate_sm.core._engine.mission.program import Program, signals_read, slip_watched
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.resuming.resumption import Resumption
 from pirate_sm.core._engine.robot import commands, confirmation, robot_state
 from pirate_sm.core._engine.robot.criteria import Evidence
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
@@ -32,6 +32,9 @@ from pirate_sm.core._engine.sensing.traction import with_traction
 from pirate_sm.core._engine.state import OUTSIDE, EngineState, MissionState
 from pirate_sm.core._model import events
 from pirate_sm.core._model.effects import Effect, PhaseChange, Setpoints, StateChange
+
+if TYPE_CHECKING:
+    from pirate_sm.core._engine.resuming.resumption import Resumption
 
 Effects = tuple[Effect, ...]
 

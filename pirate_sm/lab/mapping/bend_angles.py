@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from math import acos, cos, nan, radians, sin
 from typing import NamedTuple
 
-from pirate_sm.core.engine import RobotLook
 from pirate_sm.core.geometry import Frame, Vector, between, combined, crossed, dot, scaled
-from pirate_sm.core.sensing import BodySpec
+from pirate_sm.core.sensing import BodySpec, RobotLook
 from pirate_sm.lab.mapping.axes import axis_at, axis_of, meeting, plane_of, wheel_at
 from pirate_sm.lab.mapping.legs import MappedBend
 

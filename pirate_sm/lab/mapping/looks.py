@@ -11,9 +11,9 @@ from enum import Enum
 from typing import NamedTuple
 
 from pirate_sm.core.effects import Setpoints, StateChange
-from pirate_sm.core.engine import RobotListener, RobotLook
 from pirate_sm.core.events import DetectorWord, SensorFrame, SubmitResult
 from pirate_sm.core.robot import RobotSpec
+from pirate_sm.core.sensing import RobotListener, RobotLook
 from pirate_sm.robot.detectors.word_timing import Word
 from pirate_sm.running.recording.read.pieces import RecordedStep
 

@@ -23,12 +23,11 @@ from collections.abc import Collection, Iterator, Sequence
 from itertools import takewhile
 from math import copysign, inf, isfinite, isnan, nan, pi, radians, remainder
 
-from pirate_sm.core.engine import RobotLook
 from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.events import Observation
 from pirate_sm.core.geometry import Frame, between, dot
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.core.sensing import WHOLE
+from pirate_sm.core.sensing import WHOLE, RobotLook
 from pirate_sm.lab.mapping.axes import axis_at
 from pirate_sm.lab.mapping.bend_angles import (
     ReachedBend,

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from math import isnan, nan, pi, radians, remainder
 from typing import NamedTuple
 
-from pirate_sm.core.engine import RobotLook
 from pirate_sm.core.geometry import Frame, between, dot
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.core.sensing import WHOLE, BodySpec
+from pirate_sm.core.sensing import WHOLE, BodySpec, RobotLook
 from pirate_sm.lab.mapping.axes import axis_at, axis_of, wheel_at
 from pirate_sm.lab.mapping.bend_angles import angle_between, outermost
 from pirate_sm.lab.mapping.legs import Map, middle

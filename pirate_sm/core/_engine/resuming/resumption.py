@@ -283,12 +283,12 @@ class Resumption(NamedTuple):
         return resumed_program(before, self.entry)
 
     def positions_read(self, robot: RobotSpec, program: Program) -> Iterator[tuple[int, str]]:
-        """Yield where its program reads a position that nobody knows, see `position_read`."""
+        """Yield where its program reads a position that is unknown, see `position_read`."""
         if self.adrift:
             yield from position_read(robot, program, self.entry.origin)
 
     def unknown_position(self, robot: RobotSpec, program: Program) -> str:
-        """Return where its program first reads a position that nobody knows; empty if nowhere."""
+        """Return where its program first reads a position that is unknown; empty if nowhere."""
         place = next((place for _, place in self.positions_read(robot, program)), "")
         return f"the position: the mission reads it ({place})" if place else ""
 
