@@ -75,24 +75,23 @@ def _fits() -> bool:
 
 def main() -> None:
     """Run the command line of `pirate`, and end the process."""
-    ctrl_c.leave_to_the_system()
-    if print_stored_help(sys.argv):
-        return
-    _prepare()
-    from pirate_sm.cli import entry
-
-    _end(entry.main)
+    _start("main")
 
 
 def run_main() -> None:
     """Run the mission on the command line of `pirate-run`, and end the process."""
+    _start("run_main")
+
+
+def _start(command: str) -> None:
+    """Print stored help, or load the command line and run this function of ``entry.py``."""
     ctrl_c.leave_to_the_system()
     if print_stored_help(sys.argv):
         return
     _prepare()
     from pirate_sm.cli import entry
 
-    _end(entry.run_main)
+    _end(getattr(entry, command))
 
 
 def _prepare() -> None:

@@ -16,7 +16,7 @@ from pirate_sm.cli.options.devices import (
     PrintOptions,
     SurveyOptions,
 )
-from pirate_sm.cli.output.files import refuse_losses, write_bytes, write_file
+from pirate_sm.cli.output.files import refuse_losses, write_and_name, write_bytes, write_file
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
@@ -147,8 +147,7 @@ def print_sheets(options: PrintOptions) -> int:
     except OSError as error:
         raise UsageError(f"'{options.output}' cannot be made: {error.strerror}") from None
     for place, sheet in sheets.items():
-        write_file(place, sheet)
-        print(visible(str(place)))
+        write_and_name(place, sheet)
     return 0
 
 

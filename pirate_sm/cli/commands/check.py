@@ -135,29 +135,23 @@ def _rehearse(options: CheckOptions) -> Rehearse | None:
 
 def _written(report: CheckReport, wanted: str, fail_on: Severity) -> str:
     """Return the report in the format that is wanted."""
+    if wanted == "text":
+        paint, columns = _painted if shows_colour(sys.stdout) else _plain, columns_of()
+        if columns is None:
+            return text_report(report, paint)
+        text = text_report(report, paint, columns)
+        return "\n".join(wrapped(line, columns) for line in text.split("\n"))
+    from pirate_sm.checking.reports import machine_readable
+
     match wanted:
         case "json":
-            from pirate_sm.checking.reports.machine_readable import json_report
-
-            return json_report(report)
+            return machine_readable.json_report(report)
         case "sarif":
-            from pirate_sm.checking.reports.machine_readable import sarif_report
-
-            return sarif_report(report)
+            return machine_readable.sarif_report(report)
         case "junit":
-            from pirate_sm.checking.reports.machine_readable import junit_report
-
-            return junit_report(report, fail_on)
-        case "github":
-            from pirate_sm.checking.reports.machine_readable import github_report
-
-            return visible(github_report(report), lines=True)
+            return machine_readable.junit_report(report, fail_on)
         case _:
-            paint, columns = _painted if shows_colour(sys.stdout) else _plain, columns_of()
-            if columns is None:
-                return text_report(report, paint)
-            text = text_report(report, paint, columns)
-            return "\n".join(wrapped(line, columns) for line in text.split("\n"))
+            return visible(machine_readable.github_report(report), lines=True)
 
 
 def _plain(_: str, text: str) -> str:

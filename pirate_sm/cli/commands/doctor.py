@@ -11,7 +11,7 @@ from pathlib import Path
 from pirate_sm.cli.errors import StoppedError, say, stopper
 from pirate_sm.cli.options.declaring import read_duration
 from pirate_sm.cli.options.devices import DoctorOptions
-from pirate_sm.cli.output.doctor_tables import LiveTables, plain_text
+from pirate_sm.cli.output.doctor_tables import LiveTables, plain_text, show_tables
 from pirate_sm.cli.output.terminal import agree, is_terminal
 from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
@@ -131,7 +131,7 @@ def _look_around(listening: Listening, subject: ExpectedRobot, options: DoctorOp
 
         def watch(heard: Listening) -> None:
             if view is not None:
-                view.update(judged(heard.facts(), subject), heard.port.now())
+                view.show_sensors(judged(heard.facts(), subject), heard.port.now())
 
         listening.listen(options.seconds, watch)
     facts = judged(listening.facts(), subject)
@@ -170,4 +170,4 @@ def _show(facts: Facts, options: DoctorOptions) -> None:
     if options.plain or not is_terminal(sys.stdout):
         sys.stdout.write(plain_text(facts))
     else:
-        LiveTables.show(facts)
+        show_tables(facts)

@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.options.estimates import ExperimentOptions
-from pirate_sm.cli.output.files import csv_line, refuse_losses, write_csv, write_file
+from pirate_sm.cli.output.files import csv_line, refuse_losses, write_and_name, write_csv
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.visible import visible
 
@@ -32,7 +32,7 @@ def run_experiment(options: ExperimentOptions) -> int:
         LoadError: A file of the robot, of an experiment or of a mission cannot be used.
         UsageError: There is no such experiment, or the simulator is not installed.
     """
-    places = [each for each in (options.output, options.csv) if each]
+    places = options.output, options.csv
     refuse_losses(places, tables=[csv_line(_HEADER)], overwrite=options.overwrite)
     from pirate_sm.core import library
     from pirate_sm.core.loading import load_robot
@@ -60,8 +60,7 @@ def run_experiment(options: ExperimentOptions) -> int:
         write_csv(options.csv, _HEADER, map(_cells, every))
         print(visible(str(options.csv)))
     if options.output:
-        write_file(options.output, figure_page("The thesis's experiments, repeated", sections))
-        print(visible(str(options.output)))
+        write_and_name(options.output, figure_page("The thesis's experiments, repeated", sections))
     print(_summary(every))
     return NOT_REPRODUCED if any(each.verdict == "not reproduced" for each in every) else 0
 

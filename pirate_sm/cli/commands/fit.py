@@ -5,20 +5,37 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from math import isnan
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from pirate_sm.cli.options.declaring import read_length, read_slip_speed
 from pirate_sm.cli.options.estimates import FitOptions
-from pirate_sm.cli.output.files import csv_line, refuse_losses, write_csv, write_file
+from pirate_sm.cli.output.files import (
+    csv_line,
+    refuse_losses,
+    write_and_name,
+    write_csv,
+    write_file,
+)
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.profile import Profile
 from pirate_sm.core.visible import visible
+from pirate_sm.lab.fitting.measurements import (
+    Estimate,
+    MeasuredFile,
+    SlipSignalNames,
+    read_measured,
+    slip_and_friction,
+    steady,
+    wheels_in,
+)
+from pirate_sm.simulation.arrays import Floats
 
 if TYPE_CHECKING:
-    from pirate_sm.core.profile import Profile
-    from pirate_sm.lab.fitting.measurements import Estimate, MeasuredFile, SlipSignalNames
-    from pirate_sm.lab.fitting.slip_curve import SlipCurve
-    from pirate_sm.simulation.arrays import Floats
+    from pirate_sm.lab.fitting.slip_curve import SlipCurve  # needs SciPy
 
 
 NOTHING = 1
@@ -45,8 +62,7 @@ def run_fit(options: FitOptions) -> int:
         write_csv(options.csv, _HEADER, [row for item in curves.items() for row in _rows(*item)])
         print(visible(str(options.csv)))
     if options.output:
-        write_file(options.output, _page(curves, options))
-        print(visible(str(options.output)))
+        write_and_name(options.output, _page(curves, options))
     _say_friction(curves, options.write)
     return (
         0 if any(each.static.known or each.kinetic.known for each in curves.values()) else NOTHING
@@ -54,8 +70,6 @@ def run_fit(options: FitOptions) -> int:
 
 
 def _measured(runs: Sequence[str]) -> list[MeasuredFile]:
-    from pirate_sm.lab.fitting.measurements import read_measured
-
     with progress("reading") as watch:
         measured = []
         for number, run in enumerate(runs):
@@ -78,8 +92,6 @@ def _refuse_losses(options: FitOptions) -> None:
 
 
 def _signals(options: FitOptions, measured: MeasuredFile) -> SlipSignalNames:
-    from pirate_sm.lab.fitting.measurements import SlipSignalNames
-
     radius_m = read_length("--radius", options.radius)
     if radius_m is None and measured.profile is not None:
         radius_m = measured.profile.body.wheel_radius
@@ -90,9 +102,6 @@ def _signals(options: FitOptions, measured: MeasuredFile) -> SlipSignalNames:
 
 def _curves(options: FitOptions) -> dict[str, SlipCurve]:
     """Return the curve of each wheel."""
-    import numpy as np
-
-    from pirate_sm.lab.fitting.measurements import wheels_in
     from pirate_sm.lab.fitting.slip_curve import fit_slip_curve
 
     measured = _measured(options.runs)
@@ -110,8 +119,6 @@ def _curves(options: FitOptions) -> dict[str, SlipCurve]:
 
 def _points(measured: MeasuredFile, wheel: str, options: FitOptions) -> tuple[Floats, Floats]:
     """Return slip and friction of a wheel; of a recording where they are steady."""
-    from pirate_sm.lab.fitting.measurements import slip_and_friction, steady
-
     slip, friction = slip_and_friction(measured.columns, wheel, _signals(options, measured))
     if measured.profile is None:
         return slip, friction
@@ -171,8 +178,6 @@ def _say_friction(curves: dict[str, SlipCurve], place: Path | None) -> None:
     Raises:
         UsageError: It is to be written and is not known, or the file is no pipe.
     """
-    from statistics import median
-
     from pirate_sm.lab.fitting.slip_curve import friction_line, pipe_with_friction
 
     found = [
@@ -211,8 +216,7 @@ def _fit_robot(measured: Sequence[MeasuredFile], options: FitOptions) -> int:
         write_csv(options.csv, _ROBOT_HEADER, rows)
     if options.write:
         source = ", ".join(Path(run).name for run in options.runs)
-        write_file(options.write, twin_text(profile, numbers, source))
-        print(visible(str(options.write)))
+        write_and_name(options.write, twin_text(profile, numbers, source))
     return 0 if any(each.estimate.known for each in numbers) else NOTHING
 
 

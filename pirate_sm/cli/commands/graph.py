@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.cli.options.declaring import read_settings
 from pirate_sm.cli.options.files import GraphOptions
-from pirate_sm.cli.output.files import refuse_losses, write_file
+from pirate_sm.cli.output.files import refuse_losses, write_or_print
 from pirate_sm.core import library
 from pirate_sm.core.documents import Document, Problems, read_document
 from pirate_sm.core.errors import UsageError
@@ -67,10 +66,7 @@ def draw_graph(options: GraphOptions) -> int:
         inputs = [_found(options.file), *script]
         refuse_losses([options.output], inputs=inputs, overwrite=options.overwrite)
     text = _scxml(options) if kind == _SCXML else WRITERS[kind](_marked(options))
-    if options.output is None:
-        sys.stdout.write(text)
-        return 0
-    write_file(options.output, text)
+    write_or_print(options.output, text)
     return 0
 
 

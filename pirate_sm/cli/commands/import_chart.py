@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import sys
-
 from pirate_sm.cli.options.files import ImportOptions
-from pirate_sm.cli.output.files import refuse_losses, write_file
+from pirate_sm.cli.output.files import refuse_losses, write_or_print
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.documents import Problems, read_text
 from pirate_sm.core.library import shown
@@ -21,20 +19,16 @@ def import_chart(options: ImportOptions) -> int:
         LoadError: The SCXML cannot be read, or is no chart of the supported kind.
         UsageError: The chart cannot be written.
     """
-    if options.output is not None:
-        refuse_losses([options.output], inputs=[options.file], overwrite=options.overwrite)
+    refuse_losses([options.output], inputs=[options.file], overwrite=options.overwrite)
     name = shown(options.file)
     text = read_text(options.file, name, "SCXML")
     document, outline = read_chart(text, name, options.file.stem)
     with progress(f"exploring {visible(name)}") as watch:
         table = cached_table(document, outline, Problems(document), watch)
-    chart = chart_text(document.data, options.file.name)
-    if options.output is None:
-        sys.stdout.write(chart)
-        return 0
-    write_file(options.output, chart)
-    print(
-        f"{options.output} is a chart with {len(table.regions)} regions, {len(table.commands)} "
-        f"commands and {len(table.configurations)} configurations"
-    )
+    write_or_print(options.output, chart_text(document.data, options.file.name))
+    if options.output is not None:
+        print(
+            f"{options.output} is a chart with {len(table.regions)} regions, "
+            f"{len(table.commands)} commands and {len(table.configurations)} configurations"
+        )
     return 0

@@ -10,7 +10,7 @@ from urllib.parse import quote
 from pirate_sm import __version__
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.recordings import ReportOptions
-from pirate_sm.cli.output.files import HEAD, begins, is_recording, write_file
+from pirate_sm.cli.output.files import HEAD, begins, is_recording, write_and_name
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.errors import RecordingError, UsageError
 from pirate_sm.core.on_disk import is_folder, why_hidden
@@ -66,7 +66,7 @@ def _write_campaign(folder: Path, output: Path | None) -> int:
     _refuse_foreign(*pages.values())
     runs = {str(path): _one(path, page, place) for path, page in pages.items()}
     reports = {path: run.link for path, run in runs.items() if run.link}
-    _write(place, page_of(result, link.as_posix(), damaged, reports))
+    write_and_name(place, page_of(result, link.as_posix(), damaged, reports))
     for each in damaged:
         say(each)
     for cell in result.cells if damaged else ():
@@ -94,7 +94,7 @@ def _write_report(path: Path, place: Path) -> int:
     with progress(f"reading {visible(str(path))}") as watch:
         recording = read_recording(path, watch)
         text = html(report_of(recording))
-    _write(place, text)
+    write_and_name(place, text)
     _warn(path, recording)
     return WRITTEN
 
@@ -112,7 +112,7 @@ def _write_index(paths: Sequence[Path], index: Path) -> int:
     lost = sum(run.outcome == "unreadable" for run in runs)
     if lost == len(runs):
         raise RecordingError("none of the recordings can be read")
-    _write(index, index_html(runs))
+    write_and_name(index, index_html(runs))
     if lost:
         say(f"{lost} of {len(runs)} recordings cannot be read")
     return UNREADABLE if lost else WRITTEN
@@ -156,7 +156,7 @@ def _one(path: Path, page: Path, index: Path) -> ListedRun:
         say(f"{path}: {why}")
         return unreadable(path, why)
     if text:
-        _write(page, text)
+        write_and_name(page, text)
     return run
 
 
@@ -190,8 +190,3 @@ def _refuse_foreign(*places: Path) -> None:
             )
     if problems:
         raise UsageError("\n".join(problems))
-
-
-def _write(place: Path, text: str) -> None:
-    write_file(place, text)
-    print(visible(str(place)))

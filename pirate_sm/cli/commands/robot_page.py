@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from itertools import groupby
 from pathlib import Path
 
 from pirate_sm.checking.findings import settle
 from pirate_sm.checking.robot.check_robot import robot_findings
 from pirate_sm.cli.options.files import RobotOptions
-from pirate_sm.cli.output.files import refuse_losses, write_file
+from pirate_sm.cli.output.files import refuse_losses, write_or_print
 from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import load_robot
@@ -29,8 +28,7 @@ def write_page(options: RobotOptions) -> int:
     """
     name, output = options.name, options.output
     folder = library.robots()[0] if name is None else library.find_robot(name, Path.cwd())
-    if output is not None:
-        refuse_losses([output], inputs=[folder], overwrite=options.overwrite)
+    refuse_losses([output], inputs=[folder], overwrite=options.overwrite)
     alone = output is not None and output.suffix.lower() == ".svg"
     if alone and options.html:
         raise UsageError(f"'{output}' is a picture, --html writes a page: leave one of them out")
@@ -50,8 +48,5 @@ def write_page(options: RobotOptions) -> int:
         text = as_html(robot_page(loaded, faults))
     else:
         text = markdown(robot_page(loaded, faults), note)
-    if output is None:
-        sys.stdout.write(visible(text, lines=True))
-        return 0
-    write_file(output, text)
+    write_or_print(output, visible(text, lines=True) if output is None else text)
     return 0

@@ -7,11 +7,11 @@ from typing import Literal
 
 from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.declaring import argument, flag, option, typed
+from pirate_sm.cli.options.declaring import CommandOptions, argument, flag, option, typed
 
 
 @dataclass(frozen=True, kw_only=True)
-class CheckOptions:
+class CheckOptions(CommandOptions):
     """Find faults in robots, missions, pipes before anything moves.
 
     `pirate explain CODE` explains a finding. A comment with a reason on its line allows it:
@@ -60,11 +60,10 @@ class CheckOptions:
     rehearse: bool = flag("Run each mission in the simulator.", "--rehearse")
     seeds: int = typed("How often each is rehearsed.", min=1, default=1)
     outside: bool = flag("Follow `call` and `pipe` out of the project.", "--outside")
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExplainOptions:
+class ExplainOptions(CommandOptions):
     """Explain a finding's code, or a robot's control."""
 
     code: str | None = argument(
@@ -74,11 +73,10 @@ class ExplainOptions:
         default=None,
     )
     robot: str | None = common.a_robot("Whose control; by default any shipped one's.", "--robot")
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class DiffOptions:
+class DiffOptions(CommandOptions):
     """Compare what two versions of a mission can do, not their text.
 
     Exit codes: 0 both can do the same, 1 they differ, 2 one of them cannot be used.
@@ -93,4 +91,3 @@ class DiffOptions:
     settings: list[str] | None = option(
         "NAME=VALUE", candidates.parameters, "A parameter's value, for both.", "--set"
     )
-    debug: bool = common.debug()

@@ -1,6 +1,6 @@
 """Options that several commands share, each written once, and those that runs have too.
 
-Each is called for a field: ``debug: bool = common.debug()``. Options of runs are as
+Each is called for a field: ``port: str | None = common.port()``. Options of runs are as
 :mod:`pirate_sm.core.options` declares them. What people write for them is read here, and nowhere
 else.
 """
@@ -23,6 +23,7 @@ from pirate_sm.cli.options.declaring import (
     declared,
     flag,
     option,
+    placed,
     read_duration,
     read_length,
     read_pairs,
@@ -66,8 +67,6 @@ VERSION = typer.Option(
     is_eager=True,
     help="Print the versions of program and formats.",
 )
-version = partial(declared, VERSION, False)
-debug = partial(flag, "Show tracebacks.", "--debug")
 
 a_robot = partial(option, "NAME", candidates.robots)
 a_pipe = partial(option, "NAME", candidates.pipes)
@@ -104,8 +103,7 @@ def of_all_runs(*, jitter: bool) -> Any:
 
 def ahead_of(word: str, option: Any) -> Any:
     """Return an option that help texts show ahead of this one of runs."""
-    place = {"place": _PLACES[word] - 0.5}
-    return field(default=option.default, metadata={**option.metadata, **place})
+    return placed(option, _PLACES[word] - 0.5)
 
 
 def _parameter(option: RunOption) -> tuple[float, Parameter]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import MISSING, field, fields
+from dataclasses import MISSING, dataclass, field, fields
 from inspect import Parameter, signature
 from math import inf, isfinite
 from typing import Annotated, Any, TypeAlias
@@ -20,6 +20,8 @@ from pirate_sm.core.units import LENGTH, SPEED, TIME, Dimension, QuantityError, 
 
 Completion: TypeAlias = Callable[..., Any] | None
 """Answers a shell that completes the value; None where there is nothing to choose from."""
+_AFTER_RUNS = 1000.0
+"""The place of options in help texts, in the order of their fields, if they have no other one."""
 
 
 def declared(parameter: Any, default: Any) -> Any:
@@ -71,12 +73,24 @@ def typed(help_text: str, *names: str, default: Any = None, **more: Any) -> Any:
     return declared(typer.Option(*names, help=help_text, **more), default)
 
 
+def placed(option: Any, place: float) -> Any:
+    """Return an option with its place in help texts, where those of runs begin at 0."""
+    return field(default=option.default, metadata={**option.metadata, "place": place})
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommandOptions:
+    """The options of a command, with the one that every command has, which comes last."""
+
+    debug: bool = placed(flag("Show tracebacks.", "--debug"), inf)
+
+
 def parameters_of(options: type) -> list[Parameter]:
     """Return the parameters of a command with these options, in the order of its help text."""
     found: list[tuple[float, Parameter]] = []
     taken = signature(options, eval_str=True).parameters
     for each in fields(options):
-        parameter, place = each.metadata.get("parameter"), each.metadata.get("place", inf)
+        parameter, place = each.metadata.get("parameter"), each.metadata.get("place", _AFTER_RUNS)
         if parameter is not None:
             own = taken[each.name]
             own = own.replace(annotation=Annotated[own.annotation, parameter])

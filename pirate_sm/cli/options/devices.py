@@ -10,11 +10,11 @@ from typing import Literal
 from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.common import of_run
-from pirate_sm.cli.options.declaring import argument, flag, option, typed
+from pirate_sm.cli.options.declaring import CommandOptions, argument, flag, option, typed
 
 
 @dataclass(frozen=True, kw_only=True)
-class DoctorOptions:
+class DoctorOptions(CommandOptions):
     """Examine a connected robot: what it reports, go or no-go.
 
     Without --move nothing is sent to its motors. Opening the port restarts most controllers.
@@ -32,11 +32,10 @@ class DoctorOptions:
     calibration: bool = of_run("calibration")
     plain: bool = flag("Lines instead of live tables.", "--plain")
     json: bool = flag("One JSON object.", "--json")
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class CalibrateOptions:
+class CalibrateOptions(CommandOptions):
     """Straighten the robot and keep what its joints show as zeros.
 
     Exit codes: 0 kept, 1 not straight or not still, 2 invalid files or arguments, 3 it cannot be
@@ -50,11 +49,10 @@ class CalibrateOptions:
     limit: str | None = option("ANGLE", None, "Refuse a zero beyond this, such as '10 deg'.")
     skip: list[str] | None = option("JOINT", candidates.joints, "Leave this joint out. Repeatable.")
     yes: bool = flag("The robot lies straight already; ask nothing.", "--yes", "-y")
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class PanelOptions:
+class PanelOptions(CommandOptions):
     """Show what each control of a panel sends, until Ctrl-C. Nothing moves.
 
     Without a name: which panels and which MIDI devices there are.
@@ -68,11 +66,10 @@ class PanelOptions:
         "A panel's name, or a file; a MIDI device alone shows bare numbers.",
         default=None,
     )
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class BayOptions:
+class BayOptions(CommandOptions):
     """Emulate a robot's bay behind a serial port until Ctrl-C.
 
     The name of the port is printed first.
@@ -119,7 +116,6 @@ class BayOptions:
         "Stop the motors when the host is silent.", "--dead-man/--no-dead-man", default=True
     )
     defects: list[str] | None = of_run("defects")
-    debug: bool = common.debug()
 
 
 camera_file = partial(argument, "CAMERA", candidates.cameras, "Name or path of a camera's file.")
@@ -132,7 +128,7 @@ writes = partial(flag, "Write it into the camera's file.", "--write/--no-write",
 
 
 @dataclass(frozen=True, kw_only=True)
-class PrintOptions:
+class PrintOptions(CommandOptions):
     """Write the chessboard and the tags as sheets to print.
 
     Exit codes: 0 written, 2 invalid files or arguments.
@@ -145,11 +141,10 @@ class PrintOptions:
     board: str = inside()
     square: str = square_sides()
     overwrite: bool = common.overwrite()
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class CalibrateCameraOptions:
+class CalibrateCameraOptions(CommandOptions):
     """Measure the lens by a chessboard held before the camera.
 
     It wants at least 15 sharp boards in all parts of the picture, tilted to each side.
@@ -167,11 +162,10 @@ class CalibrateCameraOptions:
     boards: int = typed("How many to collect.", min=15, default=25)
     seconds: float = typed("How long a live camera looks for them.", min=1.0, default=180.0)
     write: bool = writes()
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class SurveyOptions:
+class SurveyOptions(CommandOptions):
     """Find where the camera hangs, by tags or points.
 
     Exit codes: 0 found, 1 what is seen fits no place of it, 2 invalid files or arguments.
@@ -180,11 +174,10 @@ class SurveyOptions:
     camera: str = camera_file()
     images: str | None = pictures()
     write: bool = writes()
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class LookOptions:
+class LookOptions(CommandOptions):
     """Show what is found in a picture of the camera.
 
     Exit codes: 0 the robot is seen, 1 it is not, 2 invalid files or arguments.
@@ -198,4 +191,3 @@ class LookOptions:
         "OUT", candidates.files, "Write the picture: .png or .jpg.", "--output", "-o"
     )
     overwrite: bool = common.overwrite()
-    debug: bool = common.debug()

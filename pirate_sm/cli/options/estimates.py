@@ -9,11 +9,11 @@ from typing import Literal
 from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.common import of_run
-from pirate_sm.cli.options.declaring import argument, flag, option, typed
+from pirate_sm.cli.options.declaring import CommandOptions, argument, flag, option, typed
 
 
 @dataclass(frozen=True, kw_only=True)
-class FitOptions:
+class FitOptions(CommandOptions):
     """Fit curves of slip and friction to recordings.
 
     Of each wheel: static and kinetic friction directly, a Magic formula, a Gaussian process, with
@@ -58,11 +58,10 @@ class FitOptions:
     )
     csv: Path | None = option("OUT.csv", candidates.files, "A table of what was found.")
     overwrite: bool = common.overwrite()
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExperimentOptions:
+class ExperimentOptions(CommandOptions):
     """Repeat the experiments of the thesis.
 
     Its values are printed next to ours. Each row has a verdict: reproduced, shape only, or not
@@ -82,7 +81,6 @@ class ExperimentOptions:
     )
     csv: Path | None = option("OUT.csv", candidates.files, "A table of every row.")
     overwrite: bool = common.overwrite()
-    debug: bool = common.debug()
 
 
 _MOST_SEEDS = 10**9
@@ -90,7 +88,7 @@ _MOST_SEEDS = 10**9
 
 
 @dataclass(frozen=True, kw_only=True)
-class CampaignOptions:
+class CampaignOptions(CommandOptions):
     """Run missions many times and count successes.
 
     A success counts if the ground truth agrees. A campaign file says which missions, pipes,
@@ -128,4 +126,3 @@ class CampaignOptions:
         "What is written to standard output.", "--format", default="text"
     )
     check: bool = of_run("check")
-    debug: bool = common.debug()

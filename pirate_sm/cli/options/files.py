@@ -9,11 +9,11 @@ from typing import Literal
 from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.common import of_run
-from pirate_sm.cli.options.declaring import argument, flag, option, typed
+from pirate_sm.cli.options.declaring import CommandOptions, argument, flag, option, typed
 
 
 @dataclass(frozen=True, kw_only=True)
-class ListOptions:
+class ListOptions(CommandOptions):
     """Show the names of robots, missions, pipes, backends and more.
 
     The rest are the commands, signals and defects of a robot, detectors and control panels.
@@ -35,11 +35,10 @@ class ListOptions:
         | None
     ) = argument(None, None, "All of them when nothing is named.", default=None)
     robot: str | None = common.a_robot("Whose commands, signals and defects.")
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class SchemaOptions:
+class SchemaOptions(CommandOptions):
     """Print the JSON Schema by which an editor completes files."""
 
     files: Literal[
@@ -55,11 +54,10 @@ class SchemaOptions:
         "scene",
     ] = argument(None, None, "Of which files.")
     robot: str | None = common.a_robot("Missions for this robot: its commands, its states.")
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class GraphOptions:
+class GraphOptions(CommandOptions):
     """Draw a mission, a robot's chart or a pipe.
 
     A mission or a chart can also be written as SCXML, for other programs.
@@ -83,11 +81,10 @@ class GraphOptions:
     )
     calls: bool = flag("Draw the missions that it calls, too.", "--calls")
     settings: list[str] | None = of_run("settings")
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class ImportOptions:
+class ImportOptions(CommandOptions):
     """Make a robot's chart from SCXML.
 
     It has one <parallel> with a <state> for each region; whatever else a chart cannot have is
@@ -99,11 +96,10 @@ class ImportOptions:
     file: Path = argument("FILE.scxml", candidates.charts_in_scxml, "A statechart in SCXML 1.0.")
     output: Path | None = common.output()
     overwrite: bool = common.overwrite()
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlanOptions:
+class PlanOptions(CommandOptions):
     """Print the fewest commands from one configuration to another.
 
     No command is proposed that releases a clamp while no other part holds.
@@ -129,11 +125,10 @@ class PlanOptions:
         "--from",
     )
     json: bool = flag("One JSON object, for programs.", "--json")
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class RobotOptions:
+class RobotOptions(CommandOptions):
     """Draw a robot, and write what each command needs and does.
 
     The picture shows it to scale, and which way each setpoint moves it. A wrong sign is marked
@@ -151,11 +146,10 @@ class RobotOptions:
     html: bool = flag("One HTML file instead of Markdown.", "--html")
     output: Path | None = common.output()
     overwrite: bool = common.overwrite()
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class NewMissionOptions:
+class NewMissionOptions(CommandOptions):
     """Write a mission that runs.
 
     With --pipe it leads along a route to its end, composed of the shipped missions that pass the
@@ -166,21 +160,19 @@ class NewMissionOptions:
     robot: str | None = common.a_robot("Robot it is for (default: the first bundled one).")
     pipe: str | None = common.a_pipe("Along a route of this pipe: name or file.")
     route: str | None = option("NAME", candidates.routes, "Along this route, instead of the first.")
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class NewPipeOptions:
+class NewPipeOptions(CommandOptions):
     """Write a pipe with one bend, or a network of round pipes."""
 
     name: str = argument(None, None, "Its name; the file is NAME.yaml.")
     robot: str | None = common.a_robot("Robot it is for (default: the first bundled one).")
     round: bool = flag("Round pipes, with a tee and a branch.", "--round")
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class NewCampaignOptions:
+class NewCampaignOptions(CommandOptions):
     """Write a campaign that runs.
 
     A mission runs many times, with a defect and without.
@@ -193,42 +185,38 @@ class NewCampaignOptions:
         "Which mission it runs: name or file.",
         default="mitre_bend",
     )
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class NewRobotOptions:
+class NewRobotOptions(CommandOptions):
     """Write a small robot that runs, or a copy of another one."""
 
     name: str = argument(None, None, "Its name; the folder is NAME.")
     like: str | None = option("ROBOT", candidates.robots, "A copy of this robot, to be changed.")
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class NewCameraOptions:
+class NewCameraOptions(CommandOptions):
     """Write a copy of a camera's file, to be changed."""
 
     name: str = argument(None, None, "Its name; the file is NAME.yaml.")
     like: str = option(
         "CAMERA", candidates.cameras, "Of which camera: name or file.", default="setup_3"
     )
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class NewPanelOptions:
+class NewPanelOptions(CommandOptions):
     """Write a copy of a control panel's file, to be changed."""
 
     name: str = argument(None, None, "Its name; the file is NAME.yaml.")
     like: str = option(
         "PANEL", candidates.panels, "Of which panel: name or file.", default="nanokontrol2"
     )
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConfigOptions:
+class ConfigOptions(CommandOptions):
     """Show the active settings and where each comes from.
 
     The command line comes before the environment, that before pirate.toml of a project, that
@@ -243,11 +231,10 @@ class ConfigOptions:
     format: Literal["text", "json"] = typed(
         "Text to read, or JSON for programs.", "--format", default="text"
     )
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompletionOptions:
+class CompletionOptions(CommandOptions):
     """Print a script with which a shell completes command lines.
 
     bash: write it to ~/.pirate_sm.bash, and `source ~/.pirate_sm.bash` into ~/.bashrc.
@@ -258,4 +245,3 @@ class CompletionOptions:
     """
 
     shell: Literal["bash", "zsh", "fish"] = argument(None, None, "For which shell.")
-    debug: bool = common.debug()

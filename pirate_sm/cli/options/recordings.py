@@ -7,11 +7,11 @@ from pathlib import Path
 
 from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.declaring import argument, option, typed
+from pirate_sm.cli.options.declaring import CommandOptions, argument, option, typed
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReplayOptions:
+class ReplayOptions(CommandOptions):
     """Replay a recording and report whether the result is the same.
 
     Exit codes: 0 the same, 1 different, 2 it cannot be read or contains nothing to replay.
@@ -26,11 +26,10 @@ class ReplayOptions:
     begin: str | None = option("TIME", None, "Begin at the checkpoint before this time.", "--from")
     until: str | None = option("TIME", None, "End at this time.")
     jobs: int | None = typed("Processes; all processors where it is long.", "--jobs", "-j", min=1)
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompareOptions:
+class CompareOptions(CommandOptions):
     """Compare two recorded runs, or two campaigns.
 
     Runs are aligned by the mission's progress. Campaigns, folders with their results, are compared
@@ -44,11 +43,10 @@ class CompareOptions:
         "A", candidates.recordings, "A recording, or the folder of a campaign's results."
     )
     second: str = argument("B", candidates.recordings, "Another one.")
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExportOptions:
+class ExportOptions(CommandOptions):
     """Write a recording for other programs."""
 
     recording: str = common.recording()
@@ -68,11 +66,10 @@ class ExportOptions:
         "FILE", candidates.files, "A layout for PlotJuggler, for this robot."
     )
     overwrite: bool = common.overwrite()
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class MapOptions:
+class MapOptions(CommandOptions):
     """Write the pipe that a recorded robot has driven through.
 
     It is mapped from the robot's signals and words alone: straights by the wheels, bends by the
@@ -89,11 +86,10 @@ class MapOptions:
     start_at: str | None = option(
         "LENGTH", None, "Where the first wheel began; else the pipe begins at the last."
     )
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReportOptions:
+class ReportOptions(CommandOptions):
     """Write a recorded run as one HTML page that works offline.
 
     Of several recordings, or of a folder, each gets a page next to it, and index.html lists them.
@@ -113,11 +109,10 @@ class ReportOptions:
     output: Path | None = option(
         "OUT.html", candidates.files, "RUN.html; of many, index.html.", "--output", "-o"
     )
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class RepairOptions:
+class RepairOptions(CommandOptions):
     """Complete a recording that was cut short, in a new file.
 
     Exit codes: 0 written, or it is whole already; 2 it cannot be read, holds nothing that can be
@@ -128,4 +123,3 @@ class RepairOptions:
     output: Path | None = option(
         "OUT.mcap", candidates.files, "RUN.repaired.mcap otherwise.", "--output", "-o"
     )
-    debug: bool = common.debug()

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.common import ahead_of, of_all_runs, read_choices, read_fire, values_of
-from pirate_sm.cli.options.declaring import argument, flag, option, typed
+from pirate_sm.cli.options.declaring import (
+    CommandOptions,
+    argument,
+    declared,
+    flag,
+    option,
+    placed,
+    typed,
+)
 from pirate_sm.core.palette import USUAL as USUAL_THEME
 from pirate_sm.core.palette import Theme
 
@@ -19,7 +28,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _RobotRunOptions:
+class _RobotRunOptions(CommandOptions):
     """Options of the commands that run a robot: which one, where, and what watches it."""
 
     mission: str | None = None
@@ -100,8 +109,7 @@ class RunOptions(_RobotRunOptions):
     plain: bool = flag("Lines instead of the live view.", "--plain")
     json: bool = flag("JSON Lines on standard output.", "--json")
     quiet: bool = flag("Print only the result.", "--quiet", "-q")
-    debug: bool = common.debug()
-    version: bool = common.version()
+    version: bool = placed(declared(common.VERSION, False), inf)
 
     def order(self) -> Order:
         """Return the order of the run, with what is for a trace and for the emulated bay.
@@ -140,11 +148,10 @@ class ConsoleOptions(_RobotRunOptions):
     at: str | None = common.at()
     speed: str = common.a_speed("Mission time over wall time.", default="realtime")
     theme: Theme = typed("Its colours. NO_COLOR in the environment: none.", default=USUAL_THEME)
-    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
-class DemoOptions:
+class DemoOptions(CommandOptions):
     """Play scenes of the gallery, with their reports.
 
     Without a name they are listed.
@@ -166,4 +173,3 @@ class DemoOptions:
         default=Path("runs/demo"),
     )
     overwrite: bool = common.overwrite()
-    debug: bool = common.debug()

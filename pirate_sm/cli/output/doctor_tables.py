@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import inf
 from statistics import median
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 from rich.columns import Columns
-from rich.console import Console, Group
+from rich.console import Console
 from rich.live import Live
 from rich.table import Table
 from rich.text import Text
@@ -129,40 +129,32 @@ def plain_text(facts: Facts) -> str:
     return "\n".join(lines) + "\n"
 
 
-class LiveTables:
-    """Tables that are redrawn in place while the robot is examined; a context manager."""
+class LiveTables(Live):
+    """Tables that are redrawn in place while the robot is examined."""
 
     def __init__(self) -> None:
-        self._live = Live(auto_refresh=False, transient=True)
+        super().__init__(auto_refresh=False, transient=True)
         self._shown_s = -inf
 
-    def __enter__(self) -> Self:
-        """Begin to draw."""
-        self._live.__enter__()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Remove the tables; restore the terminal."""
-        self._live.__exit__(None, None, None)
-
-    def update(self, facts: Facts, now_s: float) -> None:
+    def show_sensors(self, facts: Facts, now_s: float) -> None:
         """Show the sensors' values, a few times a second."""
         if now_s >= self._shown_s + _REFRESH_S:
             self._shown_s = now_s
-            self._live.update(sensors_now(facts), refresh=True)
+            self.update(sensors_now(facts), refresh=True)
 
-    @staticmethod
-    def show(facts: Facts) -> None:
-        """Print the final facts, with the verdict below."""
-        console = Console()
-        console.print(_group(facts))
-        for line in link_lines(facts):
-            console.print(Text(line))
-        console.print()
-        for finding in facts.findings:
-            style = _STYLES[finding.level]
-            console.print(Text(f"{finding.level}: {finding.message}", style))
-        console.print(Text(verdict(facts), "bold green" if facts.go else "bold red"))
+
+def show_tables(facts: Facts) -> None:
+    """Print the final facts, with the verdict below."""
+    console = Console()
+    for section in sections(facts):
+        console.print(_table(section))
+    for line in link_lines(facts):
+        console.print(Text(line))
+    console.print()
+    for finding in facts.findings:
+        style = _STYLES[finding.level]
+        console.print(Text(f"{finding.level}: {finding.message}", style))
+    console.print(Text(verdict(facts), "bold green" if facts.go else "bold red"))
 
 
 def sensors_now(facts: Facts) -> Columns:
@@ -182,10 +174,6 @@ def sensors_now(facts: Facts) -> Columns:
             table.add_row(Text("silent", "bold red"))
         tables.append(table)
     return Columns(tables, padding=(0, 3))
-
-
-def _group(facts: Facts) -> Group:
-    return Group(*(_table(section) for section in sections(facts)))
 
 
 def _table(section: Section) -> Table:

@@ -75,18 +75,16 @@ class ObservedRun:
 
     def odometry_m(self) -> float | None:
         """Return the distance that the wheels have rolled, m, if it is measured."""
-        state = self.state
-        if state is None or self.robot.odometry < 0 or self.prepared.engine.nominal:
-            return None
-        value = state.sensing.numbers[self.robot.odometry]
-        return None if isnan(value) else value
+        return self._measured(self.robot.odometry)
 
     def bound_m(self) -> float | None:
         """Return how far the robot may be from that distance, m, if the mission reads it."""
-        state = self.state
-        if state is None or self.robot.bound < 0 or self.odometry_m() is None:
+        return None if self.odometry_m() is None else self._measured(self.robot.bound)
+
+    def _measured(self, index: int) -> float | None:
+        if self.state is None or index < 0 or self.prepared.engine.nominal:
             return None
-        value = state.sensing.numbers[self.robot.bound]
+        value = self.state.sensing.numbers[index]
         return None if isnan(value) else value
 
     def distance_m(self) -> float | None:
@@ -97,6 +95,10 @@ class ObservedRun:
         """
         truth = self.truth()
         return truth.distance_m - (self._driven_from_m or 0.0) if truth else None
+
+    def summary(self, ended: Ended, now_s: float) -> str:
+        """Return how the run ended and how far the robot moved, in one line."""
+        return summary(ended, now_s, self.distance_m(), self.odometry_m(), self.bound_m())
 
 
 # --- for people ---------------------------------------------------------------------------------
@@ -129,8 +131,7 @@ class EventLines:
         for effect in effects:
             if isinstance(effect, Ended):
                 there = self._observed
-                ways = there.distance_m(), there.odometry_m(), there.bound_m()
-                text = summary(effect, now_s, *ways)
+                text = there.summary(effect, now_s)
                 left = there.left()
                 if self._quiet:
                     mission = there.prepared.loaded.mission.mission

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from io import StringIO
@@ -10,6 +11,7 @@ from pathlib import Path
 
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.on_disk import is_file, is_folder, is_there, opened, replace_file
+from pirate_sm.core.visible import visible
 from pirate_sm.views.report import GENERATOR
 
 HEAD = 20_000
@@ -37,7 +39,7 @@ YAML, SCXML, URDF and layouts are not here: people go on writing in these.
 
 
 def refuse_losses(
-    places: Iterable[Path],
+    places: Iterable[Path | None],
     *,
     inputs: Iterable[Path] = (),
     tables: Iterable[str] = (),
@@ -58,11 +60,11 @@ def refuse_losses(
         UsageError: A file is a recording, an input, somebody's work, or is named twice; the
             message lists all.
     """
-    places, tables = list(places), frozenset(tables)
-    whole = [place.resolve() for place in places]
+    named, tables = [place for place in places if place is not None], frozenset(tables)
+    whole = [place.resolve() for place in named]
     read = [file for each in inputs for file in (each.rglob("*") if is_folder(each) else [each])]
     problems = []
-    for place in dict.fromkeys(places):
+    for place in dict.fromkeys(named):
         if is_recording(place):
             problems.append(f"'{place}' is a recording: nothing is written over it")
         elif any(_is_same(place, each) for each in read):
@@ -72,7 +74,7 @@ def refuse_losses(
                 f"'{place}' exists and was not written by this program; not overwritten: "
                 "name another file, or lose this one with --overwrite"
             )
-    twice = [place for number, place in enumerate(places) if whole[number] in whole[:number]]
+    twice = [place for number, place in enumerate(named) if whole[number] in whole[:number]]
     problems += [f"'{place}' is named twice: each file needs its own name" for place in twice]
     if problems:
         raise UsageError("\n".join(problems))
@@ -127,6 +129,28 @@ def write_file(place: Path, text: str) -> None:
         UsageError: It cannot be written; what was there before stays.
     """
     write_bytes(place, text.encode("utf-8"))
+
+
+def write_and_name(place: Path, text: str) -> None:
+    """Write the text to the file, and print its path.
+
+    Raises:
+        UsageError: It cannot be written; what was there before stays.
+    """
+    write_file(place, text)
+    print(visible(str(place)))
+
+
+def write_or_print(place: Path | None, text: str) -> None:
+    """Write the text to the file, or to standard output if no file is named.
+
+    Raises:
+        UsageError: The file cannot be written; what was there before stays.
+    """
+    if place is None:
+        sys.stdout.write(text)
+    else:
+        write_file(place, text)
 
 
 def write_bytes(place: Path, content: bytes) -> None:

@@ -18,7 +18,7 @@ from pirate_sm.robot.detectors.simple_detectors import WordKeys
 from pirate_sm.views.showing import alarms, panels, picture
 from pirate_sm.views.showing import body_panel as body
 from pirate_sm.views.showing import text_styles as styled
-from pirate_sm.views.showing.effect_lines import setpoint, summary
+from pirate_sm.views.showing.effect_lines import setpoint
 from pirate_sm.views.showing.snapshot import Memory, Snapshot, Trends, scene_of, snapshot_of
 from pirate_sm.views.showing.text_styles import BAD, FLAG, GOOD, MUTED, STRONG, WARN, fitted, line
 
@@ -83,9 +83,7 @@ class LiveView:
         there, ended = self._observed, self._memory.story.ended
         if ended is None:
             return Text()
-        ways = there.distance_m(), there.odometry_m(), there.bound_m()
-        text = summary(ended, there.now_s, *ways)
-        style = panels.OUTCOME.get(ended.outcome, BAD)
+        text, style = there.summary(ended, there.now_s), panels.OUTCOME.get(ended.outcome, BAD)
         conclusion = line((f"{self._scene.mission}: {text}", style))
         left = there.left()
         return conclusion.append("\n").append(line((left, style))) if left else conclusion

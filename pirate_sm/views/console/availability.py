@@ -241,19 +241,18 @@ def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str
     return LOOKING if entries is None else entries.get(phase, LOOKING)
 
 
-def hand_back(snapshot: Snapshot, phase: str) -> GoTo:
-    """Return the event that hands the mission back there with the robot's present states."""
-    assert snapshot.state is not None
-    change = state_change(snapshot.scene.robot, snapshot.state.robot)
+def hand_back(robot: RobotSpec, body: RobotState, phase: str) -> GoTo:
+    """Return the event that hands the mission back at a phase, in the robot's states."""
+    change = state_change(robot, body)
     return GoTo(phase, change.states, change.unconfirmed)
 
 
 def going_on(snapshot: Snapshot) -> GoTo | Resume:
     """Return the event that starts or resumes the mission."""
     program = snapshot.scene.loaded.program
-    if snapshot.untouched:
-        return hand_back(snapshot, program.phase_of[program.start])
-    return Resume()
+    if snapshot.state is None or not snapshot.untouched:
+        return Resume()
+    return hand_back(snapshot.scene.robot, snapshot.state.robot, program.phase_of[program.start])
 
 
 def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[RunControl, ...]:

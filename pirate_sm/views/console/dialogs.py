@@ -6,6 +6,7 @@ A key that was pressed before a dialog could be read was meant for something els
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import starmap
 from math import inf, nan
 from textwrap import wrap
 from time import monotonic
@@ -339,27 +340,26 @@ def help_lines(
     """Return the help page of the console, with all of why something cannot be done now."""
     robot = snapshot.scene.robot
     commands = snapshot.scene.loaded.loaded_robot.profile.commands
-    lines = [content_line(("Always", STRONG))]
-    lines += [row(key, text) for key, text in _ALWAYS]
-    lines += [content_line(""), content_line(("A mission", STRONG))]
-    lines += [
-        row(each.key, _with_reason(each.label, each.reason)) for each in controls(snapshot, entries)
-    ]
-    lines += [content_line(""), content_line((f"Commands of {robot.name}", STRONG))]
-    lines += [
-        row(
-            letters.get(name, "^p"),
-            _with_reason(f"{name}  {each.description}", command_reason(snapshot, name)),
-        )
-        for name, each in commands.items()
-    ]
-    if robot.detector_words:
-        lines += [
-            content_line(""),
-            content_line(("You as the detector, if there is no other", STRONG)),
-        ]
-        lines += [row(letters.get(word, "^p"), word) for word in robot.detector_words]
-    return lines + _signs()
+    return _page(
+        {
+            "Always": _ALWAYS,
+            "A mission": [
+                (each.key, _with_reason(each.label, each.reason))
+                for each in controls(snapshot, entries)
+            ],
+            f"Commands of {robot.name}": [
+                (
+                    letters.get(name, "^p"),
+                    _with_reason(f"{name}  {each.description}", command_reason(snapshot, name)),
+                )
+                for name, each in commands.items()
+            ],
+            "You as the detector, if there is no other": [
+                (letters.get(word, "^p"), word) for word in robot.detector_words
+            ],
+            "Signs": _SIGNS,
+        }
+    )
 
 
 def _with_reason(text: str, reason: str) -> str:
@@ -368,19 +368,16 @@ def _with_reason(text: str, reason: str) -> str:
 
 def recording_lines() -> list[Content]:
     """Return the help page of the viewer of a recording."""
-    return [
-        content_line(("A recording", STRONG)),
-        *(row(key, text) for key, text in _LOOKING_BACK),
-        *_signs(),
-    ]
+    return _page({"A recording": _LOOKING_BACK, "Signs": _SIGNS})
 
 
-def _signs() -> list[Content]:
-    return [
-        content_line(""),
-        content_line(("Signs", STRONG)),
-        *(row(sign, text) for sign, text in _SIGNS),
-    ]
+def _page(sections: Mapping[str, Sequence[tuple[str, str]]]) -> list[Content]:
+    """Return sections with their titles, a blank line between them; empty ones are left out."""
+    lines = []
+    for title, rows in sections.items():
+        if rows:
+            lines += [content_line(""), content_line((title, STRONG)), *starmap(row, rows)]
+    return lines[1:]
 
 
 def row(key: str, text: str, style: str = STRONG) -> Content:

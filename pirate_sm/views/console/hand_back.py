@@ -12,7 +12,6 @@ from typing import NamedTuple
 from rich.text import Text
 
 from pirate_sm.checking.plans import Beginnings, beginnings, restoring
-from pirate_sm.core.events import GoTo
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Program, Wait
 from pirate_sm.core.robot import Plan, RobotSpec, RobotState, RulePlaces, state_change
@@ -117,12 +116,6 @@ def question(robot: RobotSpec, phase: str, plan: Plan, body: RobotState, waits: 
         f"there? {each}. A failure ends the series, and so do Esc and whatever else you ask for; "
         "Space stops the robot."
     )
-
-
-def hand_back(robot: RobotSpec, phase: str, plan: Plan) -> GoTo:
-    """Return the event that hands the mission back, valid after the plan."""
-    change = state_change(robot, plan.body)
-    return GoTo(phase, change.states, change.unconfirmed)
 
 
 def _needed(robot: RobotSpec, plan: Plan, body: RobotState) -> str:
@@ -248,7 +241,10 @@ class HandBackActions(ConfirmedActions):
             self._ask(
                 leap(phase, waits) if waits else "",
                 "Hand back",
-                partial(self._move, availability.hand_back(snapshot, phase)),
+                partial(
+                    self._move,
+                    availability.hand_back(snapshot.scene.robot, snapshot.state.robot, phase),
+                ),
             )
         elif plan is None or plan.hindered is not None:
             self._refuse(phase, reason)
@@ -264,7 +260,7 @@ class HandBackActions(ConfirmedActions):
         if self._plan(snapshot, phase) is not plan:
             self._refuse(phase, "the robot's states have changed since the list was made")
             return
-        then = hand_back(robot, phase, plan)
+        then = availability.hand_back(robot, plan.body, phase)
         self._agree(partial(self.session.give, names(robot, plan), then))
 
     def entries(self, snapshot: Snapshot) -> availability.Entries | None:

@@ -55,19 +55,14 @@ class Canvas:
     def disc(self, x: float, y: float, radius: float, style: str) -> None:
         """Draw a filled disc of at least one dot."""
         self.dot(x, y, style)
-        reach = int(radius) + 1
-        for row in range(round(y) - reach, round(y) + reach + 1):
-            for column in range(round(x) - reach, round(x) + reach + 1):
-                if hypot(column - x, row - y) <= radius:
-                    self.dot(column, row, style)
+        for column, row in _within(x, y, radius):
+            self.dot(column, row, style)
 
     def erase(self, x: float, y: float, radius: float) -> None:
         """Erase what is drawn in this disc."""
-        reach = int(radius) + 1
-        for row in range(max(0, round(y) - reach), min(self.height, round(y) + reach + 1)):
-            for column in range(max(0, round(x) - reach), min(self.width, round(x) + reach + 1)):
-                if hypot(column - x, row - y) <= radius:
-                    self._bits[row // DOWN][column // ACROSS] &= ~_BITS[row % DOWN][column % ACROSS]
+        for column, row in _within(x, y, radius):
+            if 0 <= column < self.width and 0 <= row < self.height:
+                self._bits[row // DOWN][column // ACROSS] &= ~_BITS[row % DOWN][column % ACROSS]
 
     def circle(self, x: float, y: float, radius: float, style: str) -> None:
         """Draw a ring."""
@@ -106,6 +101,15 @@ class Canvas:
                 line.append(text, style or None)
             lines.append(line)
         return lines
+
+
+def _within(x: float, y: float, radius: float) -> Iterator[tuple[int, int]]:
+    """Yield column and row of each dot of a disc."""
+    reach = int(radius) + 1
+    for row in range(round(y) - reach, round(y) + reach + 1):
+        for column in range(round(x) - reach, round(x) + reach + 1):
+            if hypot(column - x, row - y) <= radius:
+                yield column, row
 
 
 def _clip(

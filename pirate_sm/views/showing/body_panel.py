@@ -21,6 +21,7 @@ from pirate_sm.views.showing.text_styles import (
     WARN,
     Part,
     ago,
+    flowed,
     line,
 )
 
@@ -199,16 +200,11 @@ def _readings(snapshot: Snapshot) -> list[tuple[str, str]]:
 
 def _in_cells(cells: Sequence[tuple[str, str]], width: int) -> list[Text]:
     """Return the cells, as many side by side as there is room for."""
-    lines = [line()]
+    shown = []
     for label, written in cells:
         style = MUTED if written.startswith(STALE) else ""
-        cell = line((f"{label} ", MUTED), (written.ljust(_VALUE), style))
-        if len(lines[-1]) + len(cell) > width + 1 and lines[-1]:
-            lines.append(line())
-        lines[-1].append_text(cell).append(" ")
-    for each in lines:
-        each.rstrip()
-    return lines
+        shown.append(line((f"{label} ", MUTED), (written.ljust(_VALUE), style), " "))
+    return flowed(shown, width)
 
 
 # --- motors -------------------------------------------------------------------------------------

@@ -29,6 +29,7 @@ from pirate_sm.views.showing.text_styles import (
     Part,
     ago,
     fitted,
+    flowed,
     in_columns,
     line,
 )
@@ -247,16 +248,11 @@ def _words(snapshot: Snapshot, width: int) -> list[Text]:
     if kind is not None:
         found["segment" if found.get("segment") == JOINT else "joint"] = kind
     style = STRONG if snapshot.live else MUTED
-    lines = [line(" ")]
+    cells = []
     for name, word in found.items():
         said = "–" if not word else word if snapshot.live else f"{STALE}{word}"
-        cell = line((f" {name} ", MUTED), (f"{said}  ", style if word else MUTED))
-        if len(lines[-1]) + len(cell) > width + 2:
-            lines.append(line(" "))
-        lines[-1].append_text(cell)
-    for each in lines:
-        each.rstrip()
-    return lines
+        cells.append(line((f" {name} ", MUTED), (f"{said}  ", style if word else MUTED)))
+    return flowed(cells, width, " ")
 
 
 def now(snapshot: Snapshot, width: int) -> list[Text]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import isnan
 
 from rich.text import Text
@@ -55,6 +55,18 @@ def fitted(text: Text, width: int) -> Text:
     text = text.copy()
     text.truncate(width, overflow="ellipsis", pad=True)
     return text
+
+
+def flowed(cells: Iterable[Text], width: int, indent: str = "") -> list[Text]:
+    """Return cells one after the other, in lines of a width; the blanks that end it do not count."""
+    lines = [line(indent)]
+    for cell in cells:
+        if len(lines[-1]) + len(cell) > width + 2 and len(lines[-1]) > len(indent):
+            lines.append(line(indent))
+        lines[-1].append_text(cell)
+    for each in lines:
+        each.rstrip()
+    return lines
 
 
 def in_columns(cells: Sequence[Text], width: int, count: int) -> list[Text]:

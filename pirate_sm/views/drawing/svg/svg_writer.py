@@ -7,7 +7,7 @@ from itertools import pairwise
 from xml.sax.saxutils import escape, quoteattr
 
 from pirate_sm.core.palette import DAY, NIGHT, Palette
-from pirate_sm.views.drawing.graph.graph import EdgeKind, Graph, NodeKind
+from pirate_sm.views.drawing.graph.graph import Graph, NodeKind
 from pirate_sm.views.drawing.svg.arrangement import (
     ADVANCE,
     LABEL_FONT,
@@ -239,8 +239,7 @@ def _sign(good: bool, x: float, y: float) -> str:
 def _arrow(arrow: Arrow) -> Iterator[str]:
     first = arrow.edges[0]
     taken = any(edge.taken for edge in arrow.edges)
-    kind = "line" if first.kind is EdgeKind.START else first.kind.value
-    names = f"edge {kind}{' taken' if taken else ''}".replace("edge line", "edge start")
+    names = f"edge {first.kind.value}{' taken' if taken else ''}"
     yield (f'<g class="{names}" data-from={_quoted(first.source)} data-to={_quoted(first.target)}>')
     yield from _tooltip("\n".join(edge.tooltip or edge.label for edge in arrow.edges))
     path, head = _loop(arrow.route) if arrow.route.loop else _way(arrow.route)
