@@ -20,8 +20,8 @@ from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.robot.rosserial.frames import encode
 from pirate_sm.running.wiring.backends import start_values
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.node_handle import message_texts
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 LOSS, CORRUPTION = 0.20, 0.01

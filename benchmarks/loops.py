@@ -27,7 +27,7 @@ from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.running.runtime.backend_links import Holder
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice
-from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.virtual import VirtualPort
 
 MISSION = Path(__file__).with_name("loops.yaml")

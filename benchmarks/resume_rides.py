@@ -32,8 +32,8 @@ from pirate_sm.running.wiring.backends import start_values
 from pirate_sm.running.wiring.resume_offer import EndOfRun, Said, end_of_run, offer, see
 from pirate_sm.running.wiring.resumed_run import driven_s, with_resumption
 from pirate_sm.running.wiring.run_recorder import RunRecorder, run_header
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.node_handle import message_texts
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 WRITTEN_EVERY_S = 0.25

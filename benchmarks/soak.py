@@ -41,8 +41,8 @@ from pirate_sm.running.runtime.backend_links import Holder
 from pirate_sm.running.runtime.ending import Result
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.firmware import Record
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 UNHEARD_S = 0.4

@@ -243,7 +243,7 @@ def _over_the_line(
     from pirate_sm.running.runtime.backend_links import Holder
     from pirate_sm.running.runtime.loop import MissionRun
     from pirate_sm.running.runtime.scripted_events import FirstChoice
-    from pirate_sm.simulation.bay.switches import Switches
+    from pirate_sm.simulation.bay.bay_defects import Switches
     from pirate_sm.simulation.bay.virtual import VirtualPort
 
     bay, plan = bay_at(loaded, seed, Switches(loss, loss))

@@ -67,8 +67,8 @@ def main() -> int:
     """The bay has run in real time until it was asked to end."""
     from pirate_sm.core import library
     from pirate_sm.core.loading import load_mission
+    from pirate_sm.simulation.bay.bay_defects import Switches
     from pirate_sm.simulation.bay.node_handle import message_texts
-    from pirate_sm.simulation.bay.switches import Switches
     from pirate_sm.simulation.bay.terminal import StopSignals, Terminal, serve
     from pirate_sm.simulation.bay.virtual import VirtualBay
 

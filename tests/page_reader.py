@@ -21,8 +21,8 @@ from pirate_sm.core.loading import load_pipe, load_robot
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.robot.detectors.registry import DETECTORS
 from pirate_sm.running.wiring import BACKENDS
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.node_handle import message_texts
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -65,7 +65,7 @@ ALPHABETS = {
         '| Annotated[WaitStep, Tag("wait")]',
         "NewStep(_AnyStep)",
         (
-            "views/drawing/words.py",
+            "views/drawing/mission_words.py",
             "core/_loading/mission/program_writer.py",
             "core/_model/mission.py",
         ),
@@ -77,7 +77,7 @@ ALPHABETS = {
         (
             "checking/mission/mission_parameters.py",
             "views/drawing/graph/mission_graph.py",
-            "views/drawing/words.py",
+            "views/drawing/mission_words.py",
             "views/interchange/scxml.py",
             "core/_loading/mission/program_writer.py",
             "core/_loading/mission/scope.py",
@@ -87,7 +87,7 @@ ALPHABETS = {
         "core/_model/robot/criteria.py",
         "| Aligned | Below",
         "NewCriterion(Frozen)",
-        ("views/drawing/words.py", "core/_loading/robot/commands.py"),
+        ("views/drawing/mission_words.py", "core/_loading/robot/commands.py"),
     ),
     "resolved criterion": Alphabet(
         "core/_engine/robot/criteria.py",

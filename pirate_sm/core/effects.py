@@ -27,4 +27,4 @@ from pirate_sm.core._model.effects import (
     display_of,
     with_reason,
 )
-from pirate_sm.core._model.faults import Unmet
+from pirate_sm.core._model.unmet import Unmet

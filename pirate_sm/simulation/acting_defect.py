@@ -27,7 +27,7 @@ class Incident(NamedTuple):
     until_s: float = math.inf
 
 
-class Effect:
+class ActingDefect:
     """An acting defect; each kind overrides the methods that it changes.
 
     Args:
@@ -111,7 +111,7 @@ class Effect:
         return True, True
 
 
-class Sudden(Effect):
+class Sudden(ActingDefect):
     """A defect that strikes at certain times, once or at random."""
 
     def __init__(self, defect: Defect, robot: Electronics, rng: np.random.Generator) -> None:

@@ -29,7 +29,7 @@ from pirate_sm.core.units import (
     parse_quantity,
     read_quantity,
 )
-from pirate_sm.simulation.acting_defect import Counts, Effect, Incident, Loss, Sudden
+from pirate_sm.simulation.acting_defect import ActingDefect, Counts, Incident, Loss, Sudden
 from pirate_sm.simulation.electronics import Electronics, scale_of
 
 AtWork: TypeAlias = tuple[Defect, np.random.Generator]
@@ -72,7 +72,7 @@ class StiffJoint(Lasting):
             self.robot.physics.stiffen_joint(wheel, self.defect.friction)
 
 
-class StuckSensor(Effect):
+class StuckSensor(ActingDefect):
     """Channels that show a fixed count, or without one the last count."""
 
     def begin(self) -> None:
@@ -119,7 +119,7 @@ class ZeroJump(Sudden):
             self.robot.shift(signal, counts)
 
 
-class Spell(Effect):
+class Spell(ActingDefect):
     """A defect that, while it is active, looks at each frame or each message."""
 
     def glides_until_s(self, now: float) -> float:
@@ -249,7 +249,7 @@ class StrayMotion(Sudden):
         return Incident("motor_moves")
 
 
-KINDS: Mapping[str, Callable[[Defect, Electronics, np.random.Generator], Effect]] = {
+KINDS: Mapping[str, Callable[[Defect, Electronics, np.random.Generator], ActingDefect]] = {
     "dead_wheel": DeadWheel,
     "stiff_joint": StiffJoint,
     "sensor_stuck": StuckSensor,
@@ -347,7 +347,7 @@ def _scales(defect: Defect, profile: Profile) -> dict[str, tuple[float, Dimensio
     return scales
 
 
-def put_to_work(defects: Sequence[AtWork], robot: Electronics) -> tuple[Effect, ...]:
+def put_to_work(defects: Sequence[AtWork], robot: Electronics) -> tuple[ActingDefect, ...]:
     """Make these defects act on the robot; return them."""
     effects = tuple(KINDS[defect.kind](defect, robot, rng) for defect, rng in defects)
     for effect in effects:

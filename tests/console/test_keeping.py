@@ -13,16 +13,16 @@ from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.cli.settings import RUNS_VARIABLE
 from pirate_sm.core.events import GoTo, OperatorCommand
 from pirate_sm.running.recording.compare import compared_run
+from pirate_sm.running.recording.csv_files import write_tables
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.replay import replay
-from pirate_sm.running.recording.tables import write_tables
 from pirate_sm.running.recording.write.recording_file import NS_PER_S, RecordingFile
 from pirate_sm.running.wiring import Prepared
 from pirate_sm.running.wiring.run_recorder import Kept
 from pirate_sm.views.console.recording_viewer import recorded_snapshots
-from pirate_sm.views.report.pages import listed
 from pirate_sm.views.report.recording_report import report_of
+from pirate_sm.views.report.run_list import listed
 
 from .driving import Operator, operator, played, with_mission
 

@@ -23,8 +23,8 @@ from pirate_sm.robot.detectors.registry import Asked, detecting
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, load, prepare
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.node_handle import message_texts
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 JOINT_REACH_M = 0.06

@@ -12,7 +12,7 @@ from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range, borders,
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.mission_view import MissionView, driven_before, fastest_m_s, led_to
 from pirate_sm.checking.mission.wait_triggers import numbers_known
-from pirate_sm.checking.pipe.pipe_view import AtWaits
+from pirate_sm.checking.pipe.at_waits import AtWaits
 from pirate_sm.core.expressions import BOOLEAN, EnumType, Expression, change_of, tree
 from pirate_sm.core.program import Branch, TriggerSpec, Wait
 from pirate_sm.core.robot import SlotSpec, Write

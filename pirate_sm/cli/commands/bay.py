@@ -21,7 +21,7 @@ from pirate_sm.core.units import DIMENSIONLESS, read_quantity
 from pirate_sm.running.wiring.backends import COMPILING, start_values, without_messages
 
 if TYPE_CHECKING:
-    from pirate_sm.simulation.bay.switches import Switches, Topic
+    from pirate_sm.simulation.bay.bay_defects import Switches, Topic
 
 
 class _Setting(NamedTuple):
@@ -75,7 +75,7 @@ def _log(path: Path) -> TextIO:
 
 
 def _switches(options: BayOptions) -> Switches:
-    from pirate_sm.simulation.bay.switches import RING, Switches
+    from pirate_sm.simulation.bay.bay_defects import RING, Switches
 
     return Switches(
         loss_in=_share(options.loss_in or options.loss),
@@ -112,7 +112,7 @@ def _or_never(time_s: float | None) -> float:
 
 
 def _topics(names: Sequence[str]) -> tuple[Topic, ...]:
-    from pirate_sm.simulation.bay.switches import TOPICS
+    from pirate_sm.simulation.bay.bay_defects import TOPICS
 
     if wrong := unknown("there is no topic", names, TOPICS):
         raise UsageError(wrong)

@@ -38,7 +38,7 @@ def run_experiment(options: ExperimentOptions) -> int:
     from pirate_sm.core.loading import load_robot
     from pirate_sm.lab.experiments.experiment_files import chosen, load_experiments
     from pirate_sm.lab.experiments.setups import compared
-    from pirate_sm.views.report.pages import FigureSection, figure_page
+    from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
     folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]
     profile = load_robot(folder).profile

@@ -15,9 +15,9 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.on_disk import is_there, take_place
+from pirate_sm.running.recording.csv_files import write_tables
 from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
-from pirate_sm.running.recording.tables import write_tables
 from pirate_sm.running.recording.viewers import layouts
 from pirate_sm.running.recording.viewers.complete_recording import write_complete
 from pirate_sm.running.recording.viewers.urdf import urdf

@@ -157,7 +157,7 @@ def _rows(wheel: str, curve: SlipCurve) -> Iterable[tuple[object, ...]]:
 
 def _page(curves: dict[str, SlipCurve], options: FitOptions) -> str:
     from pirate_sm.lab.fitting.slip_curve import slip_plot
-    from pirate_sm.views.report.pages import FigureSection, figure_page
+    from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
     sections = [
         FigureSection(

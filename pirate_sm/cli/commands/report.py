@@ -18,9 +18,9 @@ from pirate_sm.core.visible import visible
 from pirate_sm.lab.campaign.store import RECORDINGS, is_store
 from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.views.report import GENERATOR
-from pirate_sm.views.report.pages import ListedRun, index_html, listed, unreadable
 from pirate_sm.views.report.recording_report import report_of
 from pirate_sm.views.report.report_page import html
+from pirate_sm.views.report.run_list import ListedRun, index_html, listed, unreadable
 
 WRITTEN, UNREADABLE = 0, 1
 

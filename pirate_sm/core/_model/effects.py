@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import degrees, inf, isnan, nan
 from typing import Any, Literal, NamedTuple, TypeAlias, TypeVar
 
-from pirate_sm.core._model.faults import Unmet
+from pirate_sm.core._model.unmet import Unmet
 
 Level: TypeAlias = Literal["info", "warning", "error"]
 SpanKind: TypeAlias = Literal[

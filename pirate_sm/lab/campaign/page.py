@@ -16,7 +16,7 @@ from pirate_sm.lab.campaign.results import (
     TimeCounts,
 )
 from pirate_sm.views.drawing.svg.plot import Plot, PlotSeries
-from pirate_sm.views.report.pages import FigureSection, figure_page
+from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
 _STYLE = """<style>
 .wide { overflow-x: auto; }

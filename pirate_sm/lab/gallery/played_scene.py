@@ -16,7 +16,8 @@ from pirate_sm.lab.campaign.watched_run import judge, watched_run
 from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission, recorded_robot
 from pirate_sm.running.wiring.resumed_run import recorded_order, with_folder
-from pirate_sm.views.report.pages import FigureSection, ListedRun, figure_page, listed
+from pirate_sm.views.report.figure_page import FigureSection, figure_page
+from pirate_sm.views.report.run_list import ListedRun, listed
 
 # --- pages ---------------------------------------------------------------------------------------
 

@@ -1,8 +1,7 @@
-"""A recording as tables in a folder, one file for each, with SI units in the headers: CSV files."""
+"""A recording as tables in a folder, one file for each, with SI units in the headers."""
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, closing
 from itertools import chain
@@ -191,7 +190,7 @@ def _all_rows(recording: Recording, loaded: LoadedMission) -> Iterator[TableRow]
 def _place(it: Placed, loaded: LoadedMission) -> TableRow:
     """Return the position of each wheel; ``known`` is 1 if a simulator knew the true one.
 
-    A robot in space has the third coordinate of each wheel besides, the angle of its roll joint
+    A robot in space has the third coordinate of each wheel too, the angle of its roll joint
     and the roll of each part.
     """
     wheels = loaded.loaded_robot.profile.body.wheels
@@ -202,54 +201,3 @@ def _place(it: Placed, loaded: LoadedMission) -> TableRow:
         columns += [f"roll_{name}_rad" for name in ("joint", *loaded.robot.parts)]
         places += [*it.space.z_m, *it.space.rolls_rad]
     return TableRow(PLACES, (TIME, KNOWN, *columns), (it.at_s, int(it.known), *places))
-
-
-# --- CSV ------------------------------------------------------------------------------------------
-
-
-def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> tuple[Path, ...]:
-    """Write each topic of the recording to a CSV file in the folder, and return the files.
-
-    Raises:
-        OSError: The folder cannot be written.
-        RecordingError: The recording is damaged or empty.
-    """
-    return write_files(recording, loaded, folder, ".csv", _CsvFile)
-
-
-class _CsvFile:
-    """A table as CSV, which begins with its header."""
-
-    def __init__(self, path: Path, first: TableRow) -> None:
-        self._file = path.open("w", encoding="utf-8", newline="")
-        self._writer = csv.writer(self._file)
-        self._writer.writerow(first.header)
-
-    def add(self, row: TableRow) -> None:
-        values = row.values
-        if row.table == PLACES:
-            values = (*values[:2], *map(_shortest, values[2:]))
-        self._writer.writerow(map(_cell, values))
-
-    def close(self) -> None:
-        self._file.close()
-
-
-def _shortest(value: float) -> float:
-    """Return the number; a whole one as an integer, which is written without a point."""
-    return int(value) if float(value).is_integer() else value
-
-
-def _cell(value: Any) -> Any:
-    """Return the value as a cell; an unknown number is empty, which pandas and Matlab read as NaN.
-
-    Text from a mission must not begin a formula in a spreadsheet, so an apostrophe before it
-    keeps it text.
-    """
-    if isinstance(value, str) and value.startswith(_FORMULAS):
-        return f"'{value}"
-    return "" if isinstance(value, float) and value != value else value  # noqa: PLR0124
-
-
-_FORMULAS = ("=", "+", "-", "@", "\t", "\r")
-"""Characters that begin a formula in a spreadsheet (OWASP, CSV injection)."""

@@ -222,8 +222,8 @@ def _bay(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     try:
         from pirate_sm.robot.backends.serial.assembly import read_plan
         from pirate_sm.robot.backends.serial.backend import SerialBackend
+        from pirate_sm.simulation.bay.bay_defects import Switches
         from pirate_sm.simulation.bay.node_handle import message_texts
-        from pirate_sm.simulation.bay.switches import Switches
         from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
         from pirate_sm.simulation.surroundings import Jitter
     except ModuleNotFoundError as error:

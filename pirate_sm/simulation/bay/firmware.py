@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 from pirate_sm.robot.rosserial.frames import LOG, LogLine, SerialFrame, log_payload
 from pirate_sm.robot.rosserial.messages import Array
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.line import SerialLine
 from pirate_sm.simulation.bay.node_handle import NodeHandle, Reception, Wire
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
 
 _READY = SerialFrame(LOG, log_payload(LogLine(1, "bay ready")))

@@ -10,7 +10,7 @@ import numpy as np
 
 from pirate_sm.robot.rosserial.frames import SerialFrame, encode
 from pirate_sm.simulation.acting_defect import Loss
-from pirate_sm.simulation.bay.switches import Corruption, Switches
+from pirate_sm.simulation.bay.bay_defects import Corruption, Switches
 
 # --- bytes and rings -----------------------------------------------------------------------------
 # A byte takes ten bits, so the line carries baud/10 bytes per second each way.

@@ -30,7 +30,7 @@ from pirate_sm.robot.rosserial.frames import (
 )
 from pirate_sm.robot.rosserial.message_types import Malformed, MessageType
 from pirate_sm.robot.rosserial.messages import Array, StateReading, link_messages, serial_of
-from pirate_sm.simulation.bay.switches import Topic as TopicName
+from pirate_sm.simulation.bay.bay_defects import Topic as TopicName
 
 MOST_SUBSCRIBERS = 25
 """Subscribers' ids begin at ``FIRST_OF_THE_DEVICE``, publishers' ids this many later."""

@@ -26,10 +26,10 @@ from pirate_sm.robot.backends.serial.link.conversation import Wanted
 from pirate_sm.robot.backends.serial.port import PortLostError
 from pirate_sm.robot.rosserial.messages import Array, serial_of
 from pirate_sm.simulation.acting_defect import Incident
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.firmware import Firmware, Record
 from pirate_sm.simulation.bay.line import SerialLine
 from pirate_sm.simulation.bay.node_handle import Wire
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.simulated_robot import FullTruth, SimulatedRobot
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter

@@ -26,11 +26,12 @@ from pirate_sm.core.profile import (
 from pirate_sm.core.spelling import listed
 from pirate_sm.views.drawing.command_needs import Need, RegionChange, changes, needs
 from pirate_sm.views.drawing.graph.graph import Cluster, Graph, chart_graph
+from pirate_sm.views.drawing.mission_words import angle, done_when, seconds
 from pirate_sm.views.drawing.side_view import Faults, side_text, side_view
 from pirate_sm.views.drawing.side_view_svg import side_svg
 from pirate_sm.views.drawing.svg.svg_writer import svg
 from pirate_sm.views.drawing.text_formats import mermaid
-from pirate_sm.views.drawing.words import angle, done_when, printable, seconds
+from pirate_sm.views.drawing.wrapping import printable
 
 # --- pages --------------------------------------------------------------------------------------
 

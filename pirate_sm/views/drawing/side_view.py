@@ -24,7 +24,8 @@ from pirate_sm.core.profile import (
     Target,
 )
 from pirate_sm.views.drawing.canvas import ACROSS, DOWN, Canvas
-from pirate_sm.views.drawing.words import angle, wrapped
+from pirate_sm.views.drawing.mission_words import angle
+from pirate_sm.views.drawing.wrapping import wrapped
 
 Faults = Mapping[FilePlace, str]
 """What is wrong with a robot, by its place in the files."""

@@ -8,10 +8,11 @@ from itertools import chain, pairwise
 from math import atan2, cos, degrees, hypot, radians, sin
 
 from pirate_sm.core.geometry import Place
+from pirate_sm.views.drawing.mission_words import angle
 from pirate_sm.views.drawing.side_view import LEGEND, SCALE, WRONG, SideView
 from pirate_sm.views.drawing.svg.arrangement import MARGIN, TEXT_LINE, TITLE_LINE
 from pirate_sm.views.drawing.svg.svg_writer import at, circle, paper, px, rectangle, text_at
-from pirate_sm.views.drawing.words import angle, cells, wrapped
+from pirate_sm.views.drawing.wrapping import cells, wrapped
 
 _LETTER = 7.3
 """Width of a character of 12 px, px [measured in the fonts of drawings]."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from pirate_sm.core.palette import DAY, EITHER
 from pirate_sm.views.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
-from pirate_sm.views.drawing.words import INDENT, balanced, printable, wrapped
+from pirate_sm.views.drawing.wrapping import INDENT, balanced, printable, wrapped
 
 # --- Graphviz -----------------------------------------------------------------------------------
 

@@ -58,7 +58,7 @@ def fitted(text: Text, width: int) -> Text:
 
 
 def flowed(cells: Iterable[Text], width: int, indent: str = "") -> list[Text]:
-    """Return cells one after the other, in lines of a width; the blanks that end it do not count."""
+    """Return cells one after the other, in lines of a width; blanks at the end do not count."""
     lines = [line(indent)]
     for cell in cells:
         if len(lines[-1]) + len(cell) > width + 2 and len(lines[-1]) > len(indent):

@@ -12,7 +12,7 @@ import pytest
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.simulation import Defect
-from pirate_sm.simulation.acting_defect import Effect
+from pirate_sm.simulation.acting_defect import ActingDefect
 from pirate_sm.simulation.defects import drawn, named, put_to_work
 from pirate_sm.simulation.xpbd import columns
 
@@ -21,13 +21,13 @@ from .conftest import CYCLE_S, Driver, straight
 Place = Callable[..., Driver]
 
 
-def effect(robot: Driver, kind: str, **numbers: Any) -> Effect:
+def effect(robot: Driver, kind: str, **numbers: Any) -> ActingDefect:
     defect = Defect(kind=kind, description="", **numbers)  # type: ignore[arg-type]
     (made,) = put_to_work([(defect, np.random.default_rng(3))], robot.electronics)
     return made
 
 
-def shown(robot: Driver, made: Effect, now: float, name: str) -> float | None:
+def shown(robot: Driver, made: ActingDefect, now: float, name: str) -> float | None:
     """The count that a signal's channel shows; None when no frame comes."""
     row = robot.electronics.rows[name]
     board = next(b for b in robot.electronics.boards if b.first <= row < b.last)

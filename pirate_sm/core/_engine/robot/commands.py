@@ -61,7 +61,7 @@ from pirate_sm.core._engine.robot.setpoint_arrays import (
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._model.effects import CommandStatus, Log
 from pirate_sm.core._model.events import SubmitResult
-from pirate_sm.core._model.faults import Unmet
+from pirate_sm.core._model.unmet import Unmet
 
 _NOTHING_DENIED: Mapping[int, str] = MappingProxyType({})
 

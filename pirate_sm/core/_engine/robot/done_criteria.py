@@ -36,7 +36,7 @@ from pirate_sm.core._engine.robot.robot_state import (
 )
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._expressions import NumberType, tree
-from pirate_sm.core._model.faults import Unknown, Unmet, advice, unmet_words
+from pirate_sm.core._model.unmet import Unknown, Unmet, advice, unmet_words
 from pirate_sm.core.units import unit_of
 
 RESTORING = "resume"

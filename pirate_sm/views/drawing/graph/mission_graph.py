@@ -11,7 +11,7 @@ from pirate_sm.core import mission as model
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.loading import validate
 from pirate_sm.views.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
-from pirate_sm.views.drawing.words import amount, short, step_lines, trigger_text
+from pirate_sm.views.drawing.mission_words import amount, short, step_lines, trigger_text
 
 START = "(start)"
 ANY_PHASE = "(any phase)"

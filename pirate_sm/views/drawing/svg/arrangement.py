@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pirate_sm.views.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.views.drawing.svg.layered import layered
 from pirate_sm.views.drawing.svg.ranks import NOTHING, EdgeRoute, LayoutLink, Point, Size
-from pirate_sm.views.drawing.words import INDENT, balanced, cells, wrapped
+from pirate_sm.views.drawing.wrapping import INDENT, balanced, cells, wrapped
 
 ADVANCE = 0.61
 """Width of a character per font size of a fixed-width font; 0.602 in the widest common one."""

@@ -25,7 +25,7 @@ from pirate_sm.views.drawing.svg.arrangement import (
     arranged,
 )
 from pirate_sm.views.drawing.svg.ranks import EdgeRoute, Point
-from pirate_sm.views.drawing.words import cells, printable
+from pirate_sm.views.drawing.wrapping import cells, printable
 
 FONT = 'ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, "Liberation Mono", monospace'
 

@@ -14,8 +14,8 @@ from typer.testing import Result
 
 from pirate_sm.core.loading import load_pipe, load_robot
 from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.node_handle import message_texts
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.terminal import Terminal, serve
 from pirate_sm.simulation.bay.virtual import VirtualBay
 

@@ -4,7 +4,7 @@ from math import inf, nan, radians
 
 import pytest
 
-from pirate_sm.core._model.faults import Unmet, advice, unmet_words
+from pirate_sm.core._model.unmet import Unmet, advice, unmet_words
 
 BENT = Unmet("theta_2", "rad", radians(20), radians(28), False, radians(12), 0.02, radians(3))
 SILENT = BENT._replace(value=nan, age_s=1.2, change=nan, unknown="silent", board="board 3 (front)")

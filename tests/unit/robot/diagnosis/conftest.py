@@ -13,8 +13,8 @@ from pirate_sm.core.loading import load_pipe, load_robot
 from pirate_sm.robot.backends.serial.assembly import read_plan
 from pirate_sm.robot.diagnosis.facts import ExpectedRobot
 from pirate_sm.robot.diagnosis.listening import Listening
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.node_handle import message_texts
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -29,8 +29,8 @@ from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare
 from pirate_sm.running.wiring.backends import start_values
 from pirate_sm.running.wiring.run_recorder import Kept, RunRecorder, run_header
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.node_handle import message_texts
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -10,9 +10,9 @@ from recording_runs import record
 
 import pirate_sm
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
+from pirate_sm.running.recording.csv_files import _cell, write_tables
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
-from pirate_sm.running.recording.tables import _cell, write_tables
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare

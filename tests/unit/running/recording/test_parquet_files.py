@@ -12,9 +12,9 @@ from recording_runs import record
 
 from pirate_sm.core.errors import UsageError
 from pirate_sm.running.recording import parquet_files
+from pirate_sm.running.recording.csv_files import write_tables
 from pirate_sm.running.recording.parquet_files import UNIT, write_parquet
 from pirate_sm.running.recording.recorded_mission import recorded_mission
-from pirate_sm.running.recording.tables import write_tables
 from pirate_sm.running.wiring import Order
 
 

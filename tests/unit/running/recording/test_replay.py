@@ -23,7 +23,7 @@ from pirate_sm.running.recording.recorded_mission import as_recorded, recorded_m
 from pirate_sm.running.recording.replay import engine_of, replay, rerun, rerun_steps, same
 from pirate_sm.running.recording.write import piece_maker, recorder
 from pirate_sm.running.wiring import Order
-from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.bay_defects import Switches
 
 SHIPPED = sorted(path.stem for path in (ROOT / "sequences").glob("*.yaml"))
 SHORT = [name for name in SHIPPED if not name.startswith("exp_1") and name != "exp_2a_commands"]

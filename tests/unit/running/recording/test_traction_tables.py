@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from pirate_sm import Run, read, run
+from pirate_sm.running.recording.csv_files import write_tables
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
-from pirate_sm.running.recording.tables import write_tables
 
 SLIPS = """\
 format: 1

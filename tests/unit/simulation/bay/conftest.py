@@ -14,8 +14,8 @@ from pirate_sm.core.loading import validate
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
 from pirate_sm.robot.rosserial.frames import encode
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.node_handle import message_texts
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
-from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay
 
 from .conftest import ECHO, SETPOINTS, SLOTS, Host, MakeBay, array, read_array

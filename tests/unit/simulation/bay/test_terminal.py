@@ -22,8 +22,8 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
 from pirate_sm.robot.rosserial.frames import encode
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.firmware import Record
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.terminal import Terminal, line_of, serve
 from pirate_sm.simulation.bay.virtual import VirtualBay
 

@@ -13,7 +13,7 @@ from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile, Serial
 from pirate_sm.robot.rosserial.frames import encode
 from pirate_sm.robot.rosserial.messages import Array
-from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay
 
 from .conftest import (

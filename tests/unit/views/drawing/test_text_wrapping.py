@@ -3,7 +3,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.views.drawing.words import balanced, cells, printable, wrapped
+from pirate_sm.views.drawing.wrapping import balanced, cells, printable, wrapped
 
 
 @given(st.text(max_size=200), st.integers(20, 60))

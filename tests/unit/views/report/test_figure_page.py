@@ -1,5 +1,5 @@
 from pirate_sm.views.drawing.svg.plot import Plot, PlotSeries
-from pirate_sm.views.report.pages import FigureSection, figure_page
+from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
 
 def test_words_tables_and_plots_stand_in_one_file_that_loads_no_other() -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.views.report.pages import ListedRun, index_html, listed, unreadable
+from pirate_sm.views.report.run_list import ListedRun, index_html, listed, unreadable
 
 Recordings = Callable[[str], Path]
 RUN = ListedRun(

@@ -27,8 +27,8 @@ from pirate_sm.robot.rosserial.messages import Array
 from pirate_sm.running.runtime.backend_links import Messenger
 from pirate_sm.running.runtime.ending import Result
 from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.node_handle import message_texts
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 from .conftest import without_refresh

@@ -10,8 +10,8 @@ from representative import thorough_but
 from pirate_sm.core.loading import load_pipe, load_robot
 from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.node_handle import message_texts
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 from .conftest import ROOT, SIX_WHEELED

@@ -13,7 +13,7 @@ from pirate_sm.robot.detectors.registry import Asked, detecting
 from pirate_sm.running.runtime.backend_links import Holder
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice
-from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 JOINT = 1

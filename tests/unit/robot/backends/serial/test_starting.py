@@ -12,8 +12,8 @@ from pirate_sm.robot.backends.serial.assembly import read_plan
 from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring.backends import start_values
+from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.node_handle import message_texts
-from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 ROOT = Path(__file__).resolve().parents[5]

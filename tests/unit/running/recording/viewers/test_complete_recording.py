@@ -15,11 +15,11 @@ from recording_runs import ROOT, record_as_asked, record_with_viewers
 from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.events import Sighting
 from pirate_sm.robot.detectors.vision_detector import CameraView, SeenWheels
+from pirate_sm.running.recording.csv_files import write_tables
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.replay import replay
-from pirate_sm.running.recording.tables import write_tables
 from pirate_sm.running.recording.viewers import complete_recording
 from pirate_sm.running.recording.viewers.complete_recording import write_complete
 from pirate_sm.running.wiring import Order

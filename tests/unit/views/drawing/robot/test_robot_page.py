@@ -9,6 +9,7 @@ import pytest
 
 from pirate_sm.core.loading import load_robot
 from pirate_sm.core.spelling import listed
+from pirate_sm.views.drawing.mission_words import done_when
 from pirate_sm.views.drawing.robot_page import (
     Heading,
     PageTable,
@@ -17,7 +18,6 @@ from pirate_sm.views.drawing.robot_page import (
     markdown,
     robot_page,
 )
-from pirate_sm.views.drawing.words import done_when
 
 ROOT = Path(__file__).resolve().parents[5]
 FOLDERS = [ROOT / "hardware_profiles" / "pirate_ii", ROOT / "tests" / "robots" / "newt"]

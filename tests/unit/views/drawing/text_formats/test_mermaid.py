@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pirate_sm.views.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.views.drawing.graph.highlight import highlight
 from pirate_sm.views.drawing.text_formats import mermaid, plain_names
-from pirate_sm.views.drawing.words import printable
+from pirate_sm.views.drawing.wrapping import printable
 
 from ..conftest import DRAWN, ROOT, drawing, name
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.simulation.bay.switches import Corruption, Switches
+from pirate_sm.simulation.bay.bay_defects import Corruption, Switches
 
 
 def rng(seed: int = 5) -> np.random.Generator:
