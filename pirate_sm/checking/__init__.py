@@ -2,5 +2,5 @@
 
 The rules are in `robot`, `mission` and `pipe`; `RULES` in `robot.check_robot`,
 `mission.check_mission` and `pipe.check_in_pipe` list all of them. The codes and severities of
-findings stand in `catalogue`.
+findings are in `catalogue`.
 """

@@ -25,7 +25,7 @@ from pirate_sm.core.robot import (
 
 OVERSHOOT = 2.0
 """Largest speed of what is kept at a speed, as a share of that speed [decided]. Its loop learns
-while the wheel still stands, and wheels push each other: in the simulator one that is kept at
+while the wheel is still at rest, and wheels push each other: in the simulator one that is kept at
 20 mm/s turned 1.93 times as fast for a moment, and the robot 1.2 times."""
 
 

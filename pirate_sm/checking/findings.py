@@ -134,7 +134,7 @@ def _weight(finding: Finding) -> tuple[int, bool, int]:
 
 
 # --- comments that allow findings ----------------------------------------------------------------
-# Several codes may stand in one comment, separated by commas. On the first line of a text in block
+# One comment may have several codes, separated by commas. On the first line of a text in block
 # style (`|` or `>`), which can hold no comments itself, the comment is about all of its lines.
 
 

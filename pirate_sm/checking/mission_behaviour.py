@@ -285,7 +285,7 @@ class _Reader:
                 phase = effect.phase
             elif isinstance(effect, CommandStatus) and effect.place in self._homes:
                 homes = self._homes[effect.place]
-                # After a call its caller goes on without saying that its phase does.
+                # After a call its caller continues without saying that its phase does.
                 yield phase if phase in homes else next(iter(homes)), effect
 
     def _ends_after(self) -> list[set[str]]:

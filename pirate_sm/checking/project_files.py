@@ -79,7 +79,7 @@ def _project(findings: list[Finding]) -> list[Path]:
     """Return the files and folders of the project in the working directory.
 
     With a folder for missions, these are that folder, those for robots, cameras, panels and
-    campaigns, and the files beside them. Without one, it is the whole directory, because missions
+    campaigns, and the files next to them. Without one, it is the whole directory, because missions
     may be anywhere.
     """
     if not is_folder(Path(MISSIONS)):

@@ -1,4 +1,4 @@
-"""Explore what can happen to a mission that goes on after a crash, before anybody agrees to it."""
+"""Explore what can happen to a mission that resumes after a crash, before anybody agrees to it."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ Word = Literal["possible", "may hang", "fails", "impossible", "not explored"]
 
 
 class Forecast(NamedTuple):
-    """What can become of a mission that goes on.
+    """What can become of a mission that resumes.
 
     Attributes:
         word: ``possible``: an end that succeeds can be reached, and nothing stands in the way.
             ``may hang``: it can, but a wait may end by its time limit only, or not at all.
-            ``fails``: it can only come to ends that fail. ``impossible``: it cannot go on.
+            ``fails``: it can only come to ends that fail. ``impossible``: it cannot resume.
             ``not explored``: there are too many possibilities.
         why: Why it is not simply possible; else empty.
         course: An event sequence that shows it, one sentence for each.
@@ -40,7 +40,7 @@ def forecast(
 
     Args:
         loaded: The mission as recorded; its program is that of the run before.
-        it: With what it goes on.
+        it: What it resumes with.
         confirmed: The marks of the resumption's robot that the sensors have confirmed.
     """
     body = it.body._replace(marks=it.body.marks - confirmed)

@@ -26,7 +26,7 @@ def answer(*, moves: bool) -> None:
 
     A command that moves a robot is ended at once until it catches signals itself. A
     KeyboardInterrupt would be lost in compiled code, as in Pydantic's while it checks a file: then
-    the command would go on, or find faults that are not there.
+    the command would continue, or find faults that are not there.
 
     Args:
         moves: Whether the command moves a robot; the others get a KeyboardInterrupt.

@@ -171,7 +171,7 @@ class _Tidy:
             inner.setdefault("additionalProperties", False)
         inner = _merged(inner)
         if "$ref" in inner and len(inner) > 1:
-            # Draft 7 ignores all keys beside a reference.
+            # Draft 7 ignores all keys next to a reference.
             inner = {"allOf": [{"$ref": inner.pop("$ref")}], **inner}
         return inner
 

@@ -188,7 +188,7 @@ class Operator:
         self._expects = expects
         self.due_s = now_s if choices else inf
         if choices:
-            self._keys.pressed()  # earlier keys are no answer
+            self._keys.pressed()  # earlier keys are not an answer
             offered = "  ".join(f"[{n}] {choice}" for n, choice in enumerate(choices, 1))
             self._show(f"{question}  {offered}")
 

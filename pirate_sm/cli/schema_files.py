@@ -251,7 +251,7 @@ _SINGLE: Final = ("items", "additionalProperties")
 def extension_of(schema: Schema) -> Schema:
     """Return the schema of a file that extends one of this schema.
 
-    It has the same keys, of which only ``extends`` is required: the rest may stand in the other
+    It has the same keys, of which only ``extends`` is required: the rest may be in the other
     file. Conditions on keys (``if``, ``not``, ``oneOf``) may concern the other file too, so they
     are left out.
     """

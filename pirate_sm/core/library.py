@@ -103,6 +103,15 @@ def find_robot(name: str, beside: Path | None = None) -> Path:
     return _by_name("robot", name, {path.name: path for path in robots()})
 
 
+def chosen_robot(name: str | None) -> Path:
+    """Return the folder of the robot that a user names, or of the first one without a name.
+
+    Raises:
+        UsageError: No such robot exists.
+    """
+    return robots()[0] if name is None else find_robot(name, Path.cwd())
+
+
 def shadowing(name: str, found: Path) -> str:
     """Return a notice if a local folder hides the shipped robot of this name; empty otherwise.
 

@@ -129,7 +129,7 @@ def resumes_in_vain(view: MissionView) -> Iterator[Finding]:
 
 
 def _resting(view: MissionView) -> Mapping[str, Mapping[tuple[int, int], RobotState]]:
-    """Return for each phase some states of the robot in it, as it stands once it is cut off."""
+    """Return for each phase some states of the robot in it, as it is once it is cut off."""
     found = defaultdict[str, dict[tuple[int, int], RobotState]](dict)
     phase_of = view.loaded.program.phase_of
     for node in view.explored[0].found.nodes:

@@ -350,7 +350,7 @@ and lose their hold or stay there where it is 10.5 mm (docs/decisions/0070)."""
 
 
 def keeps_off_the_mouths(view: PipeView) -> Iterator[Finding]:
-    """Report tees that are passed straight on while a part's wheels stand over the mouth."""
+    """Report tees that are passed straight on while a part's wheels are over the mouth."""
     bends = view.bends_behind_start
     for joint in view.fit.route.joints:
         if joint.kind != "tee" or joint.turn_rad:

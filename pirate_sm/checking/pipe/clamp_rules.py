@@ -93,7 +93,7 @@ def _sum(presses: list[float], frictions: list[float]) -> float:
 
 
 def _firsts(view: PipeView, situation: CoursePoint, piece: Piece) -> tuple[float, float]:
-    """Return between which arc lengths the first wheel of the clamped robot may stand in a piece.
+    """Return between which arc lengths the first wheel of the clamped robot may be in a piece.
 
     Until wheels are driven it is where the robot begins; a robot that clamps there grows shorter.
     """

@@ -166,12 +166,12 @@ class Fit:
     ) -> list[list[float]]:
         """Return the static friction that each held part finds, at all places that matter.
 
-        A part's apex presses twice as hard as the wheels beside it (eq. 3-3), and each wheel has
-        the friction of the patch that it stands on.
+        A part's apex presses twice as hard as the wheels next to it (eq. 3-3), and each wheel has
+        the friction of the patch that it is on.
 
         Args:
             parts: Indexes of the held parts.
-            firsts: Between which arc lengths the first wheel of the clamped robot may stand.
+            firsts: Between which arc lengths the first wheel of the clamped robot may be.
             diameter_m: Inner diameter of the pipe there.
 
         Returns:
@@ -347,7 +347,7 @@ class RollJoint:
     def wound(self, wound: frozenset[int], before: int, command: int, after: int) -> frozenset[int]:
         """Return the parts that are relaxed with their worms wound, after a command.
 
-        A self-locking worm that is not driven any more stays as it is: the part goes on pressing on
+        A self-locking worm that is not driven any more stays as it is: the part keeps pressing on
         the walls until its joints are brought to an angle, or clamp again.
 
         Args:

@@ -85,7 +85,7 @@ def _too_short(view: PipeView, number: int) -> Iterator[Finding]:
     """Report a stretch between two bends in which the clamped robot has no room.
 
     A tee that the route passes straight on is an opening in its wall. A reducer is none: the robot
-    stands in it as it drives through.
+    is inside it as it drives through.
     """
     arcs, pieces = view.arcs(number), view.stretch(number)
     if arcs is None or not pieces:

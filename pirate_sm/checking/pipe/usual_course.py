@@ -131,7 +131,7 @@ class Bending(NamedTuple):
         bend: Which part, and to which side.
         point: The point at which it is bent; its place is empty for a bend at the start.
         joint: Into which bend, counted from the robot's start: 0 is the first ahead of it, -1 the
-            first behind it.
+            first after it.
         roll: Roll of the part in quarter turns; None if unknown.
     """
 

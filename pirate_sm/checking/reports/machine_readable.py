@@ -1,16 +1,14 @@
-"""Reports for programs: JSON, JUnit XML, SARIF and workflow commands of GitHub."""
+"""Reports for programs: JSON, SARIF and workflow commands of GitHub; `junit` writes JUnit XML."""
 
 from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable
 from dataclasses import asdict
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from pirate_sm import __version__
 from pirate_sm.checking import catalogue
@@ -18,7 +16,6 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.reports.check_report import CheckReport, Rehearsal, end_column, excerpt
 from pirate_sm.checking.reports.text import summary
 from pirate_sm.core.documents import Edit, Place
-from pirate_sm.core.visible import visible
 
 # --- GitHub --------------------------------------------------------------------------------------
 
@@ -132,78 +129,6 @@ def _json_rehearsal(rehearsal: Rehearsal) -> dict[str, Any]:
 
 def _json_place(place: Place) -> dict[str, Any]:
     return {"file": place.file, "line": place.line, "column": place.column}
-
-
-# --- JUnit ---------------------------------------------------------------------------------------
-
-
-def junit_report(report: CheckReport, fail_on: Severity) -> str:
-    """Return the report as suites that fail if the check fails.
-
-    Args:
-        report: The report.
-        fail_on: Findings below this severity are cases that pass, with a note.
-    """
-    by_file: dict[str, list[Finding]] = {file.name: [] for file in report.files}
-    for finding in report.findings:
-        by_file.setdefault(finding.place.file, []).append(finding)
-    suites = [_junit_suite(file, found, fail_on) for file, found in by_file.items()]
-    root = Element("testsuites", {"name": "pirate check", **_junit_sums(suites)})
-    root.extend(suites)
-    indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode")
-
-
-def _junit_suite(file: str, findings: Iterable[Finding], fail_on: Severity) -> Element:
-    suite = Element("testsuite", name=_legal(file))
-    for finding in findings:
-        _junit_case(suite, finding, fail_on)
-    if not len(suite):
-        SubElement(suite, "testcase", name="no findings", classname=_legal(file), time="0")
-    suite.attrib |= {
-        "tests": str(len(suite)),
-        "failures": str(sum(case.find("failure") is not None for case in suite)),
-        "errors": "0",
-        "skipped": str(sum(case.find("skipped") is not None for case in suite)),
-        "time": "0",
-    }
-    return suite
-
-
-def _junit_case(suite: Element, finding: Finding, fail_on: Severity) -> None:
-    place = finding.place
-    where = f":{place.line}:{place.column}" if place.line else ""
-    name = f"{finding.code}{where} {finding.message}"
-    case = SubElement(suite, "testcase", name=_legal(name), classname=_legal(place.file), time="0")
-    if finding.allowed:
-        SubElement(case, "skipped", message=_legal(f"allowed: {finding.allowed}"))
-    elif finding.severity >= fail_on:
-        failure = SubElement(case, "failure", type=finding.code, message=_legal(finding.message))
-        failure.text = _legal(_junit_body(finding))
-    else:
-        SubElement(case, "system-out").text = _legal(
-            f"{finding.severity.word}\n{_junit_body(finding)}"
-        )
-
-
-def _junit_body(finding: Finding) -> str:
-    entry = catalogue.entry_of(finding.code)
-    lines = [f"{finding.place}: {finding.message}", excerpt(finding)]
-    lines += [f"{number}. {each}" for number, each in enumerate(finding.story, start=1)]
-    lines += [f"did you mean '{finding.suggestion}'?" if finding.suggestion else ""]
-    lines += [entry.why, finding.fix or entry.fix]
-    return "\n".join(line for line in lines if line)
-
-
-def _junit_sums(suites: Iterable[Element]) -> dict[str, str]:
-    each = list(suites)
-    keys = ("tests", "failures", "errors")
-    return {key: str(sum(int(suite.attrib[key]) for suite in each)) for key in keys}
-
-
-def _legal(text: str) -> str:
-    """Return the text with invisible and illegal XML characters escaped."""
-    return visible(text, lines=True)
 
 
 # --- SARIF ---------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from pirate_sm.core.events import BUILT_IN_FAULTS, BuiltInFault, Origin
 
 _WIDTH = 100
 _LEAST = 20
-"""Columns for the text behind a label, however narrow the terminal is."""
+"""Columns for the text after a label, however narrow the terminal is."""
 
 _FIXING = "by --fix", "by a guess, with --fix --unsafe-fixes"
 _MOST_CALLS = 3

@@ -48,7 +48,7 @@ def never_done(view: RobotView) -> Iterator[Finding]:
 
 
 def turning_at_rest(view: RobotView) -> Iterator[Finding]:
-    """Yield setpoints that keep a command from being done, which waits for wheels that stand."""
+    """Yield setpoints that keep a command from being done, which waits for wheels at rest."""
     table, robot = view.loaded.table, view.loaded.normal
     for number, name in enumerate(table.commands):
         done, led = robot.commands[number].done, view.led(number)

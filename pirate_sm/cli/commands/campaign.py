@@ -155,7 +155,7 @@ def _terminated_as_by_ctrl_c(note: Callable[[Stop], None]) -> Iterator[None]:
 
 
 def _with_others(plan: CampaignPlan, before: CampaignPlan) -> CampaignPlan:
-    """Return the plan with the cells besides that a folder has results of."""
+    """Return the plan, extended by the cells of which a folder has results."""
     chosen = {cell.name: cell for cell in plan.cells}
     cells = [chosen.pop(cell.name, cell) for cell in before.cells]
     return replace(plan, cells=(*cells, *chosen.values()))
@@ -261,5 +261,5 @@ def _rendered(result: CampaignResult, form: str) -> Sequence[str]:
     if form == "json":
         return [json.dumps(result.as_data(), indent=1, ensure_ascii=False)]
     if form == "junit":
-        return [as_junit(result).rstrip()]
+        return [as_junit(result)]
     return [visible(line) for line in as_text(result).splitlines()]

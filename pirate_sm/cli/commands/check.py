@@ -141,7 +141,7 @@ def _written(report: CheckReport, wanted: str, fail_on: Severity) -> str:
             return text_report(report, paint)
         text = text_report(report, paint, columns)
         return "\n".join(wrapped(line, columns) for line in text.split("\n"))
-    from pirate_sm.checking.reports import machine_readable
+    from pirate_sm.checking.reports import junit, machine_readable
 
     match wanted:
         case "json":
@@ -149,7 +149,7 @@ def _written(report: CheckReport, wanted: str, fail_on: Severity) -> str:
         case "sarif":
             return machine_readable.sarif_report(report)
         case "junit":
-            return machine_readable.junit_report(report, fail_on)
+            return junit.junit_report(report, fail_on)
         case _:
             return visible(machine_readable.github_report(report), lines=True)
 

@@ -68,7 +68,7 @@ def open_console(options: ConsoleOptions) -> int:
         if prepared.backend.real_time:
             from pirate_sm.cli.commands.resume import take_over
 
-            # Where the robot stands, each phase is checked before it is offered.
+            # From where the robot is, each phase is checked before it is offered.
             order = prepared.order
             unchecked = replace(prepared, order=replace(order, check=False))
             with CaughtSignals(requests):

@@ -6,7 +6,6 @@ import json
 import sys
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
-from pathlib import Path
 
 from pirate_sm.cli.errors import StoppedError, say, stopper
 from pirate_sm.cli.options.declaring import read_duration
@@ -33,8 +32,7 @@ def find_loaded(name: str | None) -> LoadedRobot:
         LoadError: Its files cannot be used.
         UsageError: There is no such robot.
     """
-    folder = library.find_robot(name, Path.cwd()) if name else library.robots()[0]
-    return load_robot(folder)
+    return load_robot(library.chosen_robot(name))
 
 
 def named_port(port: str | None) -> str:

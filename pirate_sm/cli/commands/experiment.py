@@ -1,9 +1,8 @@
-"""`pirate experiment`: the thesis's experiments again, its values beside ours."""
+"""`pirate experiment`: the thesis's experiments again, its values next to ours."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from textwrap import wrap
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -40,7 +39,7 @@ def run_experiment(options: ExperimentOptions) -> int:
     from pirate_sm.lab.experiments.setups import compared
     from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
-    folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]
+    folder = library.chosen_robot(options.robot)
     profile = load_robot(folder).profile
     every: list[ComparedRow] = []
     sections = []

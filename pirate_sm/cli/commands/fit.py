@@ -176,7 +176,7 @@ def _say_friction(curves: dict[str, SlipCurve], place: Path | None) -> None:
     """Print the friction of a simulated pipe, or write it into a pipe file.
 
     Raises:
-        UsageError: It is to be written and is not known, or the file is no pipe.
+        UsageError: It is to be written and is not known, or the file is not a pipe.
     """
     from pirate_sm.lab.fitting.slip_curve import friction_line, pipe_with_friction
 

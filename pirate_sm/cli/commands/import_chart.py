@@ -16,7 +16,7 @@ def import_chart(options: ImportOptions) -> int:
     """Write the chart to the file, or to standard output; return the exit code.
 
     Raises:
-        LoadError: The SCXML cannot be read, or is no chart of the supported kind.
+        LoadError: The SCXML cannot be read, or is not a chart of the supported kind.
         UsageError: The chart cannot be written.
     """
     refuse_losses([options.output], inputs=[options.file], overwrite=options.overwrite)

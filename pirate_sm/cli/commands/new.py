@@ -62,7 +62,7 @@ _FOLD = 0.8
 def write_mission(options: NewMissionOptions) -> int:
     """Write a mission that runs, NAME.yaml in the working directory; return the exit code.
 
-    Its schema for editors is written beside it, unless the robot's folder has it.
+    Its schema for editors is written next to it, unless the robot's folder has it.
 
     Raises:
         LoadError: The robot's files cannot be used.
@@ -70,7 +70,7 @@ def write_mission(options: NewMissionOptions) -> int:
     """
     name, robot = options.name, options.robot
     _check("mission", name)
-    folder = library.find_robot(robot, Path.cwd()) if robot else library.robots()[0]
+    folder = library.chosen_robot(robot)
     loaded = load_robot(folder)
     shipped = folder in library.robots()
     own = folder / _SCHEMA
@@ -139,7 +139,7 @@ def write_pipe(options: NewPipeOptions) -> int:
     """
     name = options.name
     _check("pipe", name)
-    folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]
+    folder = library.chosen_robot(options.robot)
     loaded = load_robot(folder)
     length_m = sum(link.length for link in loaded.profile.body.links)
     text = _fill(
@@ -182,7 +182,7 @@ def write_campaign(options: NewCampaignOptions) -> int:
 def write_robot(options: NewRobotOptions) -> int:
     """Write a small robot with a mission that runs into a new folder; return the exit code.
 
-    Schemas for editors are written beside its files.
+    Schemas for editors are written next to its files.
 
     Raises:
         LoadError: The robot to be copied has faults.
@@ -277,7 +277,7 @@ def _renamed(kind: str, text: str, name: str) -> str:
 
 
 def _check(kind: str, name: str) -> None:
-    """Refuse what is no name, and names of shipped files that the new ones would hide."""
+    """Refuse invalid names, and names of shipped files that the new ones would hide."""
     if not _NAME.fullmatch(name):
         raise UsageError(
             f"'{name}' cannot be a name: expected a letter, then letters, digits and underscores"
@@ -291,7 +291,7 @@ def _check(kind: str, name: str) -> None:
 
 
 def _modeline(file: str) -> str:
-    """Return the first line of a file whose schema lies beside it, by the file's name or kind."""
+    """Return the first line of a file whose schema is next to it, by the file's name or kind."""
     kind = file.partition(".")[0]
     return f"{MODELINE}{'mission' if file in _ROBOT_FILES[2:] else kind}.schema.json"
 

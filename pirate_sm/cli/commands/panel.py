@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 def show_panel(options: PanelOptions) -> int:
-    """List what there is, or show what a panel sends; return the exit code.
+    """List the panels, or show what a panel sends; return the exit code.
 
     Raises:
         LoadError: The panel's file has faults.

@@ -119,7 +119,7 @@ def _write_index(paths: Sequence[Path], index: Path) -> int:
 
 
 def _page(path: Path, index: Path) -> Path:
-    """Return the path of a recording's page: beside it, or beside the list if that is read-only."""
+    """Return the path of a recording's page: next to it, or next to the list if it is read-only."""
     page = path.with_suffix(".html")
     return page if _is_writable(page.parent) else index.parent / page.name
 

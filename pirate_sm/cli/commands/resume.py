@@ -269,11 +269,11 @@ _QUESTION = "[g]o on, [r]egrip (on_failure), [l]ook again, or leave [enter]? "
 
 
 def resume_run(options: RunOptions, manner: Manner) -> int:
-    """Go on with a run that was cut off; return the exit code.
+    """Resume a run that was cut off; return the exit code.
 
     Raises:
         BackendError: The robot cannot be reached.
-        RecordingError: There is nothing to go on from.
+        RecordingError: There is nothing to resume.
         UsageError: An option does not fit, or nobody has agreed; nothing has moved.
     """
     requests = StopRequests()
@@ -290,7 +290,7 @@ def resume_dialog(options: RunOptions | ConsoleOptions, requests: StopRequests) 
     """Read the recording of the options and prepare its run; nothing is connected yet.
 
     Raises:
-        RecordingError: There is nothing to go on from.
+        RecordingError: There is nothing to resume.
         UsageError: An option does not fit.
     """
     _check_options(options)
@@ -338,11 +338,11 @@ class _Wishes(NamedTuple):
 
 
 class ResumeDialog:
-    """Looks at the robot until it is decided how to go on.
+    """Looks at the robot until it is decided how to resume.
 
     Attributes:
         prepared: The run as it was recorded.
-        code: Exit code if it does not go on.
+        code: Exit code if it does not resume.
     """
 
     def __init__(
@@ -358,13 +358,13 @@ class ResumeDialog:
         self._dark_s = _dark_s(end) if prepared.backend.real_time else 0.0
 
     def decide(self) -> tuple[Prepared, Resuming] | None:
-        """Look at the robot and ask; return with what it goes on, None if it does not.
+        """Look at the robot and ask; return what it resumes with, None if it does not.
 
-        The backend is closed unless it goes on.
+        The backend is closed unless it resumes.
 
         Raises:
             BackendError: The robot cannot be reached.
-            UsageError: It cannot go on, or nobody has agreed.
+            UsageError: It cannot resume, or nobody has agreed.
         """
         chosen = None
         try:
@@ -411,7 +411,7 @@ class ResumeDialog:
     def _agreed(
         self, seen: SeenRobot, it: Resumption, said: Said
     ) -> tuple[Prepared, Resuming] | None:
-        """Return with what it goes on; None if the robot has changed since it was looked at."""
+        """Return what it resumes with; None if the robot has changed since it was looked at."""
         prepared, end = self.prepared, self._end
         now = self._see() if self._asked and prepared.backend.real_time else seen
         if not now.shows.is_as(seen.shows, prepared.loaded.robot):
@@ -447,7 +447,7 @@ class ResumeDialog:
         """Return the choice: ``g``, ``r``, ``l``, or anything else to leave.
 
         Raises:
-            UsageError: It cannot go on, or there is nobody to agree.
+            UsageError: It cannot resume, or there is nobody to agree.
         """
         if self._wishes.accept and not found.doubts:
             return "g"

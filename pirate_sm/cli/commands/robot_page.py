@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import groupby
-from pathlib import Path
 
 from pirate_sm.checking.findings import settle
 from pirate_sm.checking.robot.check_robot import robot_findings
@@ -27,7 +26,7 @@ def write_page(options: RobotOptions) -> int:
         UsageError: There is no such robot, or the file cannot be written.
     """
     name, output = options.name, options.output
-    folder = library.robots()[0] if name is None else library.find_robot(name, Path.cwd())
+    folder = library.chosen_robot(name)
     refuse_losses([output], inputs=[folder], overwrite=options.overwrite)
     alone = output is not None and output.suffix.lower() == ".svg"
     if alone and options.html:

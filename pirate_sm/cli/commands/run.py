@@ -75,7 +75,7 @@ def run_prepared(
         options: Its options.
         manner: How it is shown; whether it is redrawn in place is decided here.
         requests: Requests to stop.
-        resuming: With what a mission goes on whose run was cut off.
+        resuming: The state from which an interrupted mission resumes.
     """
     live = manner.on_terminal and not options.plain and shows_signs(sys.stdout)
     result, kept = _shown(prepared, options, manner._replace(live=live), requests, resuming)
@@ -224,7 +224,7 @@ def _conclude(result: Result, options: RunOptions) -> int:
 class PipeWatch:
     """A watcher that notices when the other end of a pipe has been closed.
 
-    A mission may wait for minutes without output. It must not go on unseen until the next line.
+    A mission may wait for minutes without output. It must not continue unseen until the next line.
     """
 
     def __init__(self, out: TextIO) -> None:

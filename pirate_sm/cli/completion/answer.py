@@ -1,6 +1,6 @@
 """Answers a shell with what fits at the end of a command line.
 
-The scripts beside this module (``pirate completion``) call the program without arguments and with
+The scripts next to this module (``pirate completion``) call the program without arguments and with
 the line in the environment, so that nothing can be mistaken for a request to run something. Each
 line of the answer is a value, for zsh and fish with a tab and a line about it; bash gets what it is
 to insert. No shell evaluates any of it, since values and descriptions come from files of others.
@@ -60,7 +60,7 @@ def answered(command: Any, environment: Mapping[str, str], about: Callable[[str]
 def offered(
     command: Any, words: Sequence[str], typed: str, about: Callable[[str], str]
 ) -> Iterator[Candidate]:
-    """Yield what fits behind the words of a command line.
+    """Yield what fits after the words of a command line.
 
     Args:
         command: The program.
@@ -93,7 +93,7 @@ def _commands(
 
 
 def _values(command: Any, words: Sequence[str], typed: str) -> Iterator[Candidate]:
-    """Yield what fits behind the words of a command without commands of its own."""
+    """Yield what fits after the words of a command without commands of its own."""
     given, before = list(words), ""
     taking = {
         name: each
@@ -169,7 +169,7 @@ def _words(line: str) -> tuple[bool, list[str]]:
 
 
 def _for_bash(values: Iterator[str], *, quoted: bool) -> Iterator[str]:
-    """Yield what bash inserts as it is: with backslashes, and a space behind what is complete."""
+    """Yield what bash inserts as it is: with backslashes, and a space after what is complete."""
     for value in values:
         if quoted:
             if _QUOTED.fullmatch(value):

@@ -31,7 +31,7 @@ Candidate: TypeAlias = tuple[str, str]
 """A value, and a line about it."""
 
 OPEN = ("/", "=", ":", ",")
-"""Signs behind which a value goes on."""
+"""Signs after which a value continues."""
 
 RECORDING = ".mcap"
 
@@ -67,7 +67,7 @@ def recorded(path: Path, role: str) -> Mapping[Any, Any]:
         for record in StreamReader(file, emit_chunks=True).records:
             if isinstance(record, Attachment) and record.name.endswith(f"_{role}.yaml"):
                 return mapping(parse_document(record.data, record.name).data)
-            if isinstance(record, Chunk):  # the run begins, and the files stand before it
+            if isinstance(record, Chunk):  # the run begins, and the files come before it
                 break
     return {}
 

@@ -105,7 +105,7 @@ class ObservedRun:
 
 
 _INDENT = 22
-"""Where the text of a line begins, behind its time and its topic."""
+"""Where the text of a line begins, after its time and its topic."""
 
 
 class EventLines:
@@ -247,7 +247,7 @@ class JsonLines:
         self._out.flush()
 
     def _is_known(self, effect: fx.Effect) -> bool:
-        """Whether a question is withdrawn only because of the answer that was just written."""
+        """Return whether a question is withdrawn only because it was just answered."""
         if isinstance(effect, fx.Ask):
             known, self._answered = self._answered and not effect.question, False
             return known

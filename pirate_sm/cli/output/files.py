@@ -34,7 +34,7 @@ _MARKS: dict[str, tuple[bytes, ...]] = {
 }
 """What identifies a file of this program that nobody edits, by its ending.
 
-YAML, SCXML, URDF and layouts are not here: people go on writing in these.
+YAML, SCXML, URDF and layouts are not here: people edit these further.
 """
 
 
@@ -156,7 +156,7 @@ def write_or_print(place: Path | None, text: str) -> None:
 def write_bytes(place: Path, content: bytes) -> None:
     """Write the content to the file: all of it, or nothing.
 
-    A link stays a link. What is no file, such as a terminal or a pipe, is written to directly.
+    A link stays a link. What is not a file, such as a terminal or a pipe, is written to directly.
 
     Raises:
         UsageError: It cannot be written; what was there before stays.

@@ -134,7 +134,7 @@ def progress(
 
     It may be given more to show, as a second argument.
 
-    The line is removed when the block ends. A smaller share than the last one begins anew.
+    The line is removed when the block ends. A smaller share than the last one starts again.
 
     Args:
         what: Description of the task.

@@ -212,7 +212,7 @@ def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
         from distributed import Client
     except ModuleNotFoundError as error:
         raise not_installed("a campaign", error.name, "campaign") from None
-    # What befalls workers is said in our words, or mended without any.
+    # What happens to workers is said in our words, or repaired silently.
     for name in ("distributed", "distributed.client"):  # Dask gives its client a level of its own
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     if scheduler is None:

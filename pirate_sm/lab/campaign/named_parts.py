@@ -144,7 +144,7 @@ def _without_faults(model: type[R], data: dict[str, Any]) -> R:
 
 
 def texts(values: Values) -> Iterator[tuple[Keys, str]]:
-    """Yield each value of a parameter as text, with the keys under which it stands."""
+    """Yield each value of a parameter as text, with the keys that lead to it."""
     if isinstance(values, ValueRange):
         first, by = values.first.value, values.by.value
         for number in range(values.count):
@@ -307,7 +307,7 @@ class NameReader:
             self.problems.take(error)
 
     def _beside(self, name: str, *, followed: bool = True) -> str:
-        """Return a name, or the path of a file beside the campaign's as seen from here."""
+        """Return a name, or the path of a file next to the campaign's as seen from here."""
         path = self.folder / name
         try:
             if not is_there(path):

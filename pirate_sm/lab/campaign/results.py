@@ -9,8 +9,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
 from typing import Any
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
 
+from pirate_sm.checking.reports.junit import count_cases, junit_text
 from pirate_sm.core.on_disk import is_there
 from pirate_sm.core.visible import visible
 from pirate_sm.lab.campaign.campaign_model import Expectation
@@ -364,18 +365,8 @@ def as_junit(result: CampaignResult) -> str:
     for left_out in result.left_out:
         case = SubElement(suite, "testcase", name=visible(left_out), classname=name, time="0")
         SubElement(case, "skipped", message="a cell before it is not as expected")
-    bad = sum(not cell.good for cell in result.cells)
-    suite.attrib |= {
-        "tests": str(len(suite)),
-        "failures": str(bad),
-        "errors": "0",
-        "skipped": str(sum(1 for _ in suite.iter("skipped"))),
-    }
-    sums = {key: suite.attrib[key] for key in ("tests", "failures", "errors")}
-    root = Element("testsuites", {"name": "pirate campaign", **sums})
-    root.append(suite)
-    indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
+    count_cases(suite)
+    return junit_text("campaign", [suite])
 
 
 def _body(cell: CellResult) -> str:

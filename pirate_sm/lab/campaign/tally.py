@@ -131,7 +131,7 @@ class Tally:
 
     @property
     def violated(self) -> bool:
-        """Whether the cell is not as expected; of one that goes on: whether it can no longer be."""
+        """Whether the cell is not as expected; of one under way: whether it can no longer be."""
         return bool(self.missed())
 
     def missed(self) -> tuple[str, ...]:

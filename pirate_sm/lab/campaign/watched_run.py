@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 # Clamps that have just been taken settle for this long; then the robot is watched for this long.
 _SETTLING_S, _WATCHED_S = 5.0, 2.0
 WATCHED_AFTER_S = _SETTLING_S + _WATCHED_S
-"""How long a run goes on after its mission."""
+"""How long a run continues after its mission."""
 
 
 @dataclass
@@ -234,7 +234,7 @@ def _slid_m(backend: Backend, truth: Callable[[], FullTruth], now_s: float) -> f
 
 def _go_on(backend: Backend, now_s: float, end_s: float) -> float:
     """Let time pass after a run, and return the time then."""
-    if backend.real_time:  # the link is closed; the emulated bay at its port goes on
+    if backend.real_time:  # the link is closed; the emulated bay at its port continues
         port = cast("VirtualPort", vars(backend)["port"])
         port.wait(port.now() + end_s - now_s)
         return end_s
@@ -298,7 +298,7 @@ def judge(outcome: Outcome, end: TrueEnd) -> RunVerdict:
 
 
 def holds(outcome: Outcome) -> bool:
-    """Return whether the robot stands in the pipe, with a clamp that bears."""
+    """Return whether the robot is in the pipe, with a clamp that bears."""
     gripped = _torque_nm(outcome) >= GRIPPED_NM
     stays = outcome.slid_m <= STAYS_M and not outcome.gone
     return outcome.held_at_end and gripped and outcome.stopped and stays

@@ -11,7 +11,6 @@ from math import degrees, dist, nan
 import numpy as np
 
 from pirate_sm.api import Run, load, run
-from pirate_sm.lab.experiments.needed_extras import is_missing
 from pirate_sm.lab.experiments.setups import BendSetup, ExperimentResult, TiltedMission, Watch
 
 
@@ -38,9 +37,8 @@ def repeat_bend(
         _take_in(result, part, part, made, setup)
     _compare_times(result)
     for part in (each for each in parts if each in setup.seen):
-        title, why = f"{part} by the camera {setup.seen[part]}", is_missing("vision")
-        if why:
-            result.notes.append(f"{title}: not run, {why}")
+        title = f"{part} by the camera {setup.seen[part]}"
+        if not result.can_run(title, "vision"):
             continue
         mission, detector = setup.missions[part], f"vision:{setup.seen[part]}"
         made = [

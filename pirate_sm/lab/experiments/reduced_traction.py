@@ -53,7 +53,7 @@ class TractionRun:
 
     @property
     def slip_m_s(self) -> Floats:
-        """Slip speeds r d ω − v, as they really are."""
+        """Slip speeds r d ω − v, as they are."""
         slips: Floats = self.rim_m_s - self.speed_m_s[:, None]
         return slips
 

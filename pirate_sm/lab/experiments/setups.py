@@ -29,6 +29,7 @@ from pirate_sm.core.fields import (
 )
 from pirate_sm.core.simulation import DefectText, Friction
 from pirate_sm.core.units import parse_unit
+from pirate_sm.lab.experiments.needed_extras import is_missing
 from pirate_sm.views.drawing.svg.plot import Plot
 
 # --- the thesis's values -------------------------------------------------------------------------
@@ -230,7 +231,7 @@ class TiltSearch(Frozen):
         begin: First tilt.
         to: Last tilt.
         step: Between two.
-        slides: A wheel that is carried farther while it should stand still does not hold.
+        slides: A wheel that is carried farther while it should be at rest does not hold.
     """
 
     of: str
@@ -460,3 +461,10 @@ class ExperimentResult:
     values: dict[str, float] = field(default_factory=dict)
     figures: list[Plot] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+
+    def can_run(self, title: str, extra: str) -> bool:
+        """Return whether an extra is installed; without it, note that this is not run, and why."""
+        why = is_missing(extra)
+        if why:
+            self.notes.append(f"{title}: not run, {why}")
+        return not why

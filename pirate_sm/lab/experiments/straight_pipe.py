@@ -16,7 +16,6 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.geometry import height_m, span_m
 from pirate_sm.core.profile import Profile, Wheel
 from pirate_sm.core.profile import signals as kinds
-from pirate_sm.lab.experiments.needed_extras import is_missing
 from pirate_sm.lab.experiments.setups import (
     ExperimentResult,
     PostProcessing,
@@ -221,18 +220,16 @@ def repeat_straight_pipe(
     for number, part in enumerate(further, start=len(parts)):
         watch(number * share)
         backend, pipe = setup.again[part].backend, setup.again[part].pipe
-        title, why = f"{part} on {backend}", is_missing(backend)
-        if why:
-            result.notes.append(f"{title}: not run, {why}")
+        title = f"{part} on {backend}"
+        if not result.can_run(title, backend):
             continue
         made = run(setup.missions[part], backend, pipe=pipe, defects=setup.defects)
         signals = SlipSignals(made, setup.processing)
         _take_in(result, f"{part}.{backend}", title, signals, wheels)
     for number, part in enumerate(seen, start=len(parts) + len(further)):
         watch(number * share)
-        title, why = f"{part} by the camera {setup.seen[part]}", is_missing("vision")
-        if why:
-            result.notes.append(f"{title}: not run, {why}")
+        title = f"{part} by the camera {setup.seen[part]}"
+        if not result.can_run(title, "vision"):
             continue
         made, places = seen_run(setup.missions[part], setup.seen[part], setup.defects)
         signals = SlipSignals(made, setup.processing, places)

@@ -12,7 +12,6 @@ from pirate_sm.api import Run, run
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.spelling import one_of
-from pirate_sm.lab.experiments.needed_extras import is_missing
 from pirate_sm.lab.experiments.reduced_traction import TractionRun, run_traction
 from pirate_sm.lab.experiments.setups import (
     ExperimentResult,
@@ -49,9 +48,7 @@ def repeat_with_loops(
         UsageError: The backend does not know where the robot is, or a mission does not drive.
     """
     result = ExperimentResult()
-    why = is_missing(loops.backend)
-    if why:
-        result.notes.append(f"{', '.join(parts)} on {loops.backend}: not run, {why}")
+    if not result.can_run(f"{', '.join(parts)} on {loops.backend}", loops.backend):
         return result
     drawn = []
     wanted = [part for part in parts if part in loops.missions]

@@ -30,7 +30,7 @@ from pirate_sm.simulation.arrays import Floats
 _SETPOINTS = "setpoints"
 
 Columns = Mapping[str, Floats]
-"""Columns of a table; all are of one length, and NaN stands where a value is unknown."""
+"""Columns of a table; all are of one length, and an unknown value is NaN."""
 
 
 class MeasuredFile(NamedTuple):

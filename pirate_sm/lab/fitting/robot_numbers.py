@@ -115,7 +115,7 @@ def _of_slot(
 
 
 def _means(load: Floats, spans: Floats, good: NDArray[np.bool_]) -> Floats:
-    """Return the mean load of each interval, by the readings at its ends and beside them.
+    """Return the mean load of each interval, by the readings at its ends and next to them.
 
     A spring is wound in a curve: the mean of the ends is too small. Where readings are evenly
     spaced and ``good``, a cubic through four of them has the mean (13 (b + c) - a - d) / 24.
@@ -157,7 +157,7 @@ def _duties(setpoints: Columns, slot: str, times: Floats) -> Floats:
 
 
 def signals_with(path: Path, motors: Mapping[str, Motor]) -> Columns | None:
-    """Return the signals of a recording once in a round, with those of traction made anew.
+    """Return the signals of a recording once in a round, with those of traction recomputed.
 
     What the mission did stays as it was recorded.
 
@@ -327,7 +327,7 @@ def _spanned(found: Estimate, other: Estimate) -> Estimate:
 def driven(all_: Intervals) -> Floats:
     """Return rows of duty, load with a minus, and rate of a motor that moves by its duty.
 
-    What stands near its stall is left out by its duty and load, not by its rate: of rates that are
+    What is near its stall is left out by its duty and load, not by its rate: of rates that are
     as small as their errors only the larger ones would be left.
     """
     against = (all_.duty > 0) & (all_.load >= 0)

@@ -421,7 +421,7 @@ def pipe_with_friction(path: Path, static: float, kinetic: float) -> str:
     """Return the text of a pipe file with this friction instead of its own; all else stays.
 
     Raises:
-        LoadError: The file is no pipe.
+        LoadError: The file is not a pipe.
         UsageError: It cannot be changed line by line.
     """
     _, document = load_pipe(path)

@@ -131,7 +131,7 @@ def _link(played: PlayedScene) -> str:
 
 
 _WITH_TRUTH = SIMULATORS | {"bay"}
-"""Backends that know how the robot truly stands, and do the same again with the same seed."""
+"""Backends that know the robot's true pose, and do the same again with the same seed."""
 
 
 def unmet(expected: Expected, exit_code: int, output: str, recording: Path | None) -> list[str]:
@@ -169,7 +169,7 @@ def _differences(expected: Expected, run: ListedRun) -> Iterator[str]:
 
 
 def _still_driven(recording: Recording) -> Iterator[str]:
-    """Yield which motors the last setpoints drive that stand in the safe state."""
+    """Yield which motors the last setpoints drive that are at rest in the safe state."""
     robot, last = recorded_robot(recording.header), None
     for step in recording.steps():
         for effect in step.effects:

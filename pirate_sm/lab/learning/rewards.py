@@ -16,7 +16,7 @@ from pirate_sm.core.spelling import meant
 
 
 Outcome: TypeAlias = Literal["waited", "done", "failed", "refused", "fault"]
-"""How a step ended: ``fault`` is a new fault, with the run going on or not."""
+"""How a step ended: ``fault`` is a new fault, whether the run continues or not."""
 
 
 class StepMoment(NamedTuple):

@@ -89,7 +89,7 @@ class Trial:
 
     @property
     def ended(self) -> Ended | None:
-        """How the run has ended; None while it goes on."""
+        """How the run has ended; None while it is under way."""
         return self._pump.ended
 
     @property
@@ -230,7 +230,7 @@ class Scenario:
         robot: Name or path of a robot, instead of the mission's; likewise ``pipe``.
         states: States of the robot at the start by region, instead of the mission's.
         backend: ``sim`` or ``physics``.
-        reach_m: The place along the pipe that every wheel must reach; None: behind the last bend
+        reach_m: The place along the pipe that every wheel must reach; None: after the last bend
             by half a diameter, or 0.3 m ahead of the last wheel's start where nothing turns.
         time_limit_s: Mission time after which an episode is truncated.
         options: What else is as for :func:`pirate_sm.run`, see :data:`OPTIONAL`; ``gymnasium.make``

@@ -51,7 +51,7 @@ def reached(
         body: The robot's chain.
         numbers: Every signal in SI.
         axis: The axis at the part that lies along its leg.
-        part: The part that has gone first; its outermost link stands from wall to wall.
+        part: The part that has gone first; its outermost link spans from wall to wall.
         leads: Which part that is.
         diameter_m: Inner diameter of the other leg.
     """
@@ -166,7 +166,7 @@ def angle_of_elbow(
     into_m: float,
     diameter_m: float,
 ) -> float:
-    """Return an estimate of the angle of an elbow in which the part that comes last stands, rad.
+    """Return an estimate of the angle of an elbow in which the part that comes last is, rad.
 
     The axes at the two parts differ by what the last part has not been turned yet: its share of the
     angle is that of the elbow's length which is ahead of it. An error of 10 mm is one of 5 deg.
@@ -175,7 +175,7 @@ def angle_of_elbow(
         body: The robot's chain.
         numbers: Every signal in SI.
         elbow: The elbow, with its extent.
-        parts: The part that has left it, and the part that stands in it.
+        parts: The part that has left it, and the part that is in it.
         into_m: How far the middle of the last part is beyond the place that words count from.
         diameter_m: The inner diameter.
     """

@@ -299,7 +299,7 @@ def feel_angles(made: Map) -> None:
 
 
 def round_elbows(made: Map) -> None:
-    """Find the radii of elbows, and let the legs beside them end where they begin."""
+    """Find the radii of elbows, and let the legs next to them end where they begin."""
     for number, bend in enumerate(made.bends):
         behind, ahead = made.legs[number : number + 2]
         diameter_m = diameter_of(ahead.bores) or diameter_of(behind.bores)

@@ -1,14 +1,14 @@
 """Follows a robot through an unknown pipe: where it is, how long the legs are, how they meet.
 
 A clamped part whose V shows the inner diameter of its leg lies along the leg: it is an anchor, and
-moves by what the odometer counts. When another part clamps, the joint angles say where it stands.
+moves by what the odometer counts. When another part clamps, the joint angles say where it is.
 
 - Along the anchor's axis: in the same leg.
-- Otherwise it is the first to reach into another leg. Its outermost link stands from wall to wall
+- Otherwise it is the first to reach into another leg. Its outermost link spans from wall to wall
   there and gives the axis of the new leg: both axes give the bend's angle, its plane and its place.
 - When the part that comes last clamps, the other is the anchor already, and its place was only
   estimated: it was not pressed between the walls then. The outermost wheel of the last part still
-  touches its wall in the leg behind, which gives the anchor's place in the new leg anew.
+  touches its wall in the leg behind, which gives the anchor's place in the new leg again.
 
 Where the detector's words tell of a joint, they decide its places, in the leg behind and in the leg
 ahead: so nothing that happens in between can make a leg longer or shorter.
@@ -375,7 +375,7 @@ class Mapper:
             self._spots[first] = Spot(spot.leg, at_m, self._body.wheels_of(first))
 
     def _refine(self, passage: BendPassage) -> None:
-        """Find a bend anew, once the diameter behind it is known."""
+        """Find a bend again, once the diameter after it is known."""
         bore_m, axis = self._shape.bore(passage.first), passage.anchor.axis
         found = reached(self._body, passage.numbers, axis, passage.first, passage.leads, bore_m)
         if found is not None and passage.new:

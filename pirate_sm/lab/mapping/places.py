@@ -148,7 +148,7 @@ class Way:
             look: What is known of the robot.
             held: The parts that hold it; empty if it lies loose.
             places_m: Where parts along one leg are against each other, by the joints.
-            bent: The parts that stand in a bend.
+            bent: The parts that are in a bend.
         """
         for part, (straight, sides) in enumerate(zip(self._straight, self._bent, strict=True)):
             along_m, around_m = straight.since_last(look), sides.since_last(look)

@@ -52,7 +52,7 @@ class Holder:
 
 
 class Messenger:
-    """Passes the backend's remarks on to people while the mission itself stands still.
+    """Passes the backend's remarks on to people while the mission itself is stopped.
 
     Args:
         remark: Returns each remark of the backend once; empty if there is none.
@@ -86,8 +86,8 @@ class Messenger:
 class SlideWatch:
     """Reports that a simulated robot has slid while no part held it and no wheel was driven.
 
-    No sensor may show it: the wheels stand, and friction lets the robot weigh nearly what it does
-    at rest.
+    Perhaps no sensor shows it: the wheels do not turn, and friction lets the robot weigh nearly
+    what it does at rest.
 
     Args:
         arcs_m: Returns the true position of each wheel along the pipe, m.

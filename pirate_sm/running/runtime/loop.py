@@ -68,7 +68,7 @@ class Pacer:
         return self._factor != inf
 
     def limit(self, factor: float, mission_s: float) -> None:
-        """From this mission time on run at ``factor``, or at the user's factor if that is lower."""
+        """Run at ``factor`` from this mission time on, or at the user's factor if that is lower."""
         factor = min(factor, self._wanted)
         if factor != self._factor:
             self._factor = factor
@@ -164,7 +164,7 @@ class MissionRun:
                 backend in real time is never delayed.
             after: The run before it on this backend, which has left it open: the robot keeps its
                 configuration, and time continues.
-            resuming: With what a mission goes on whose run was cut off, on a backend that is open.
+            resuming: What an interrupted mission resumes with, on a backend that is open.
             paused: Whether the operator controls the robot first.
             keep_open: Whether the backend stays open when the engine itself has ended the run.
         """

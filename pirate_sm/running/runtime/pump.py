@@ -152,7 +152,7 @@ class Pump:
         tap: Receives every input and output of the engine.
         after: The pump before it on this backend, which has left it open: the robot keeps its
             configuration, and time continues.
-        resuming: With what a mission goes on whose run was cut off, on a backend that is open.
+        resuming: What an interrupted mission resumes with, on a backend that is open.
 
     Attributes:
         state: The engine's present state; None before the start.

@@ -93,7 +93,7 @@ _HELD_WITHIN_S = 2.0
 
 
 class Stands(NamedTuple):
-    """How a robot stands whose mission has not begun.
+    """The pose of a robot whose mission has not begun.
 
     Attributes:
         look: What its boards have reported.
@@ -179,7 +179,7 @@ def begun_there(prepared: Prepared, table: VerdictTable) -> LoadedMission:
 
 
 def doubts(prepared: Prepared, stands: Stands) -> Iterator[str]:
-    """Yield what nobody may leave open who adopts the robot without being asked."""
+    """Yield what must be settled before the robot is adopted without asking."""
     first, *others = stands.instead
     if others:
         yield "the sensors cannot tell apart where it stands: say it with --state (states=)"

@@ -58,7 +58,7 @@ class Order(GivenOptions):
         firings: Triggers that a trace fires instead of the first trigger of each wait.
         course: All events of a trace, in order.
         line: Faults of the line to the emulated bay; None: none.
-        put_back: How a simulated robot stands that is put back; None: as its mission begins.
+        put_back: The pose of a simulated robot that is put back; None: as its mission begins.
     """
 
     firings: tuple[Firing, ...] = ()
@@ -171,7 +171,7 @@ class Prepared(Equipment):
     Attributes:
         detecting: The detector.
         panel: The control panel, unopened; None if there is none.
-        resumed: The header of the run that it goes on from, with what it continues with; None if it
+        resumed: The header of the run that it resumes, with what it resumes with; None if it
             is a run of its own.
     """
 

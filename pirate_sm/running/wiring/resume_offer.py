@@ -179,7 +179,7 @@ class Said:
     """What the operator says.
 
     Attributes:
-        at: Where to go on: ``here``, ``failure`` or a phase.
+        at: Where to resume: ``here``, ``failure`` or a phase.
         states: States of the robot by region.
         start_at_m: Position of the first wheel along the pipe; None if unsaid.
     """
@@ -210,17 +210,17 @@ class SeenRobot(NamedTuple):
 
 
 class Offer(NamedTuple):
-    """With what a run would go on.
+    """What a run would resume with.
 
     Attributes:
         table: The verdicts about the configuration that counts; None if none does.
-        refusals: Why it cannot go on; empty if it can.
+        refusals: Why it cannot resume; empty if it can.
         unknown: What the mission depends on and nobody has seen; a person must agree to it.
-        it: With what it goes on; None if it cannot.
+        it: What it resumes with; None if it cannot.
         forecast: What can become of it, if that was explored.
         changed: Which files are others than recorded, and what the recording has lost; a person
             must agree to that too.
-        unplaced: Why a person must say where the robot is before it goes on; empty if not.
+        unplaced: Why a person must say where the robot is before it resumes; empty if not.
     """
 
     table: VerdictTable | None
@@ -233,7 +233,7 @@ class Offer(NamedTuple):
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """Why it does not go on without a person; empty if it does."""
+        """Why it does not resume without a person; empty if it does."""
         expected = self.forecast
         if self.refusals or expected is None:
             return self.refusals or ("it is unknown what would become of it",)
@@ -279,7 +279,7 @@ def see(
     Nothing is written but the stop if a wheel turns; the robot is looked at again after it.
 
     Args:
-        prepared: The run that goes on.
+        prepared: The run that resumes.
         end: Where its recording was cut off.
         driven_s: How long wheels may have been driven meanwhile.
         before: An earlier look.
@@ -305,7 +305,7 @@ def see(
 
 
 def offer(prepared: Prepared, end: EndOfRun, seen: SeenRobot, said: Said) -> Offer:
-    """Return with what the run would go on, or why it cannot.
+    """Return what the run would resume with, or why it cannot.
 
     Raises:
         UsageError: The operator has said states that the robot cannot have at once.

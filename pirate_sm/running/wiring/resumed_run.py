@@ -1,4 +1,4 @@
-"""Prepare a run that goes on from a recording: its order, its equipment, its header."""
+"""Prepare a run that resumes from a recording: its order, its equipment, its header."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ COMMITTED_S = 0.5
 
 
 _MAY_DIFFER = ("port", "baud", "guard_for_s", "detector", "panel")
-"""What a run that goes on may have instead of what its recording says."""
+"""What a resumed run may have instead of what its recording says."""
 
 
 def prepare_again(end: EndOfRun, asked: Order, say: Say = lambda text: None) -> Prepared:
-    """Return the run that goes on, ready to connect; nothing has moved.
+    """Return the resumed run, ready to connect; nothing has moved.
 
     Mission, robot, pipe, parameters and joint zeros are those of the recording.
 
@@ -58,7 +58,7 @@ def prepare_again(end: EndOfRun, asked: Order, say: Say = lambda text: None) -> 
         say: Takes messages about steps that take longer than a moment.
 
     Raises:
-        RecordingError: The recording is of a backend that cannot go on, or its robot is gone.
+        RecordingError: The recording is of a backend that cannot resume, or its robot is gone.
         UsageError: An option does not fit, the recording names an address as its port, which
             could be anything, or a detector that listens or opens a camera, or the robot's
             calibration has changed.
@@ -131,12 +131,12 @@ def said_way(end: EndOfRun, way: DarkWay, start_at_m: float | None) -> DarkWay:
 def with_resumption(
     prepared: Prepared, end: EndOfRun, it: Resumption, said: tuple[str, ...] = ()
 ) -> Prepared:
-    """Return the run with the program that goes on, and with the header of its recording.
+    """Return the run with the program that resumes, and with the header of its recording.
 
     Args:
         prepared: The run, as connected.
         end: Where the recording was cut off.
-        it: With what the mission goes on.
+        it: What the mission resumes with.
         said: What the operator has said about the robot.
     """
     from pirate_sm.running.recording.format.header import ResumedRun
@@ -155,7 +155,7 @@ def with_resumption(
 
 
 def header_again(prepared: Prepared, began: datetime, viewers: bool, speed: Any) -> RunHeader:
-    """Return the header of the recording of a run that goes on: that of the run before, changed."""
+    """Return the header of the recording of a resumed run: that of the run before, changed."""
     from pirate_sm import __version__
 
     before = prepared.resumed

@@ -139,7 +139,7 @@ class Console(PanelActions, RobotApp):
             for each in availability.controls(session.latest, None)
         }
 
-    # --- what there is ------------------------------------------------------------------------
+    # --- missions -------------------------------------------------------------------------
 
     def compose(self) -> ComposeResult:
         """Yield every panel once; the stylesheet shows and hides them by size."""

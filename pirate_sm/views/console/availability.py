@@ -225,7 +225,7 @@ def _done(robot: RobotSpec, body: RobotState, command: int) -> RobotState:
 
 
 def drive_doubt(snapshot: Snapshot, command: str) -> str:
-    """Return the fault that makes a drive doubtful now; empty if none does, or it is no drive."""
+    """Return the fault that makes a drive doubtful now; empty without one, or without a drive."""
     drives = command in ways(snapshot.scene.robot)
     return next(iter(snapshot.doubts.values()), "") if drives else ""
 
@@ -384,7 +384,7 @@ def _grouped(asked: Mapping[str, Sequence[Request]]) -> dict[str, str]:
 
 
 def _shortened(reason: str, robot: RobotSpec) -> str:
-    """Return the sign of a reason, and what it says without what there is no room for."""
+    """Return the sign of a reason, and its text without what does not fit."""
     if not reason:
         return ""
     kind, _, rest = reason.partition(": ")

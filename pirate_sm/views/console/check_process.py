@@ -1,7 +1,7 @@
 """Asks the check about a mission, in a process of its own so that the stop waits for nothing.
 
 A thread would not do: the threads of a Python process take turns, and a stop would wait for its
-turn behind the search, up to some tens of milliseconds.
+turn after the search, up to some tens of milliseconds.
 """
 
 from __future__ import annotations

@@ -269,7 +269,7 @@ class CommandSeries(NamedTuple):
         then: The hand-back of the mission after the last of them.
         done: Number of done commands.
         given: Whether the next one has been given.
-        stopped: Why the series has stopped; empty while it goes on.
+        stopped: Why the series has stopped; empty while it continues.
         handed_back: Whether all are done and the mission has been handed back.
     """
 
@@ -282,7 +282,7 @@ class CommandSeries(NamedTuple):
 
     @property
     def active(self) -> bool:
-        """Whether the series goes on."""
+        """Whether the series continues."""
         return not self.stopped and not self.handed_back
 
     @property
@@ -318,7 +318,7 @@ class Giver:
             self.series = CommandSeries(tuple(commands), then)
 
     def stop(self, why: str = BY_OPERATOR) -> None:
-        """Give no further command; a command under way goes on until it is done."""
+        """Give no further command; a command under way runs until it is done."""
         with self._lock:
             series = self.series
             if series is not None and series.active:
@@ -328,7 +328,7 @@ class Giver:
 
     @property
     def due_s(self) -> float:
-        """Soon while a series goes on; else infinite."""
+        """Soon while a series is under way; else infinite."""
         return self._due_s if self.series is not None and self.series.active else inf
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:

@@ -218,7 +218,7 @@ class HandBackActions(ConfirmedActions):
         return found
 
     def _seeking(self, snapshot: Snapshot) -> bool:
-        """Return whether the search for restoring commands still goes on."""
+        """Return whether the search for restoring commands is still running."""
         situation = availability.situation_of(snapshot)
         looked_in = self._search_failed_in, self._ways and self._ways.situation
         return situation is None or situation not in looked_in

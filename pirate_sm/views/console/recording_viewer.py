@@ -233,7 +233,7 @@ class RecordingViewer(RobotApp):
 
     Attributes:
         time_s: The time that is shown.
-        playing: Whether time goes on.
+        playing: Whether it is playing.
     """
 
     TITLE = "recording"

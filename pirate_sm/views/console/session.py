@@ -138,7 +138,7 @@ class RunBridge:
         self._memory.see(effects, now_s)
 
     def pulse(self, now_s: float) -> None:
-        """Make a new snapshot, also while mission time stands still."""
+        """Make a new snapshot, also while mission time is stopped."""
         self._renew(now_s)
 
     def _renew(self, now_s: float) -> None:
@@ -210,7 +210,7 @@ class Quitting(LeaveRequests):
 
     @property
     def safe(self) -> bool:
-        """Whether the robot stands, or only its guardian can still stop it."""
+        """Whether the robot is at rest, or only its guardian can still stop it."""
         return self.stopped or self._unreachable()
 
     def begin(self) -> StopRequests:
@@ -311,7 +311,7 @@ class OperatorSession:
         factor: Mission seconds per second of the wall clock.
         clock: The wall clock.
         keep: Records each run.
-        resuming: With what the first mission goes on whose run was cut off; its backend is open.
+        resuming: The state from which the first mission resumes; its backend is open.
         then: The mission of the second run; by default the first one again.
 
     Attributes:

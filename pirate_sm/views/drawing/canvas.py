@@ -32,7 +32,7 @@ class Canvas:
         self.dashed = False
 
     def dot(self, x: float, y: float, style: str) -> None:
-        """Draw a dot, unless it lies outside; y counts downwards."""
+        """Draw a dot, unless it is outside; y counts downwards."""
         column, row = floor(x + 0.5), floor(y + 0.5)  # round() leaves gaps at halves
         if 0 <= column < self.width and 0 <= row < self.height:
             across, down = column // ACROSS, row // DOWN
@@ -40,7 +40,7 @@ class Canvas:
             self._styles[down][across] = style
 
     def line(self, x0: float, y0: float, x1: float, y1: float, style: str) -> None:
-        """Draw a line between two places, as far as it lies inside."""
+        """Draw a line between two places, as far as it is inside."""
         clipped = _clip(x0, y0, x1, y1, self.width, self.height)
         if clipped is None:
             return

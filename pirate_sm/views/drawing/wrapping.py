@@ -30,9 +30,9 @@ def _printable(character: str) -> str:
 
 
 def wrapped(text: str, width: int, hang: int = 0) -> tuple[str, ...]:
-    """Return the text in lines of at most ``width`` columns, broken at blanks if possible.
+    """Return the text in lines of at most ``width`` columns, broken at spaces if possible.
 
-    Later lines have the first one's indentation and ``hang`` blanks more.
+    Later lines have the first one's indentation and ``hang`` spaces more.
     """
     indent = " " * (len(text) - len(text.lstrip(" ")))
     lines: list[str] = []

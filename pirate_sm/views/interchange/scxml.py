@@ -33,7 +33,7 @@ from pirate_sm.views.drawing.mission_words import amount, short, step_lines
 DEEPEST_NESTING: Final = 32
 MOST_ELEMENTS: Final = 20_000
 
-_BETWEEN: Final = " "  # stands in no namespace and in no name
+_BETWEEN: Final = " "  # occurs in no namespace and in no name
 _TAG: Final = re.compile(rb"<[^\s/>]+")
 _ATTRIBUTE: Final = re.compile(rb"""\s+([^\s=<>"']+)\s*=\s*(?:"[^"]*"|'[^']*')""")
 _LINE_END: Final = re.compile("\r\n|\r|\n")
@@ -438,7 +438,7 @@ def _trigger(trigger: Trigger) -> dict[str, str]:
 def _transition(
     state: Xml.Element, event: str, target: str, about: Mapping[str, str] | None = None
 ) -> None:
-    """Add a transition; without a target it only says that the event is passed over."""
+    """Add a transition; without a target it only says that the event is ignored."""
     element = Xml.SubElement(state, "transition", event=event)
     if target:
         element.set("target", target)

@@ -43,7 +43,7 @@ _INSIDE: Final = {
     "initial": ("transition",),
     "transition": (),
 }
-"""The elements that may stand in each of them."""
+"""The elements that each of them may contain."""
 
 _REFUSED: Final = frozenset(
     {"history", "final", "donedata", "onentry", "onexit", "datamodel", "data", "invoke", "finalize",
@@ -95,7 +95,7 @@ class _Reader:
         """The name in the chart of the state with each id."""
         self._taken: set[str] = set()
         self._refused: set[str] = set()
-        """The ids of elements that are refused, so that references to them are no second fault."""
+        """The ids of elements that are refused, so that references to them are not reported too."""
 
     def chart(self, root: XmlElement, called: str) -> YamlNode:
         """Return the data of the chart; without `states` where there are none to be checked."""
@@ -323,7 +323,7 @@ def _list(at: XmlElement, items: list[YamlNode]) -> YamlNode:
 
 
 def _mapping(at: XmlElement, content: Mapping[str, YamlNode]) -> YamlNode:
-    """Return a mapping whose keys stand where their values begin."""
+    """Return a mapping whose keys have the places where their values begin."""
     children = {key: (node, node.line, node.column) for key, node in content.items()}
     return YamlNode(
         at.line, at.column, 0, 0, {key: it.value for key, it in content.items()}, children

@@ -193,7 +193,7 @@ _BESIDE_S = 0.25
 
 @dataclass(frozen=True)
 class TravelChart:
-    """The distance travelled by the robot, true or reckoned.
+    """The distance travelled by the robot, true or estimated.
 
     Attributes:
         true: Whether it is known from a simulator.
@@ -331,7 +331,7 @@ def _less(taken: Callable[[float], float], scale: float) -> Callable[[float, flo
 
 
 def _rate(series: Series) -> Callable[[float], float]:
-    """Return the slope of a curve around a time; NaN without two points beside it."""
+    """Return the slope of a curve around a time; NaN without two points next to it."""
 
     def rate(at_s: float) -> float:
         times, values = series.times_s, series.values

@@ -230,7 +230,7 @@ class Sentence(NamedTuple):
     """A sentence of the story, with its time.
 
     Attributes:
-        kind: The kind of event, for a sign beside it.
+        kind: The kind of event, for a sign next to it.
         topic: The phase that it is about; empty if it is about something else.
     """
 

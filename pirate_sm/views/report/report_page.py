@@ -60,7 +60,7 @@ def rounded(point: Iterable[float]) -> list[float]:
 
 
 def space_json(space: SpaceScene) -> dict[str, Any]:
-    """Return the scene as JSON; the wheels' paths stand beside it."""
+    """Return the scene as JSON; the wheels' paths are next to it."""
     return {
         "normals": paths_json(space.normals, _DIRECTION),
         "perUnit": _DIRECTION,
@@ -202,7 +202,7 @@ def _light(light: Light, clocks: _Clocks) -> Json:
 def page_style() -> str:
     """Return the stylesheet, in the light, dark or contrast that the reader's system asks for.
 
-    Printed paper is white: the attribute ``data-printing`` stands while a page is laid out for it.
+    Printed paper is white: the attribute ``data-printing`` is set while a page is laid out for it.
     """
     rules = (
         _root(DAY),

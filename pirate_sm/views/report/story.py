@@ -120,7 +120,7 @@ def _counted(counts: Mapping[str, int]) -> str:
 
 
 def _lower(text: str) -> str:
-    """Return the text as it stands inside a sentence; an acronym keeps its capitals."""
+    """Return the text as it is written inside a sentence; an acronym keeps its capitals."""
     plain = text.rstrip(".")
     return plain if plain[1:2].isupper() else plain[:1].lower() + plain[1:]
 
@@ -226,7 +226,7 @@ class Story:
         self._phase, self._commands, self._waits_since = "", [], None
 
     def _purpose(self) -> str:
-        """Return the description of the phase, once; not again behind a called mission."""
+        """Return the description of the phase, once; not again after a called mission."""
         root = self._phase.partition("/")[0]
         if root != self._described and self._phase == root:
             self._described = root

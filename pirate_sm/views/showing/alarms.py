@@ -72,7 +72,7 @@ def alarms(snapshot: Snapshot, seen: Container[int]) -> list[Alarm]:
 
 
 def _begins(before: NumberedLine, after: NumberedLine) -> bool:
-    """Return whether a line is no consequence of the one before."""
+    """Return whether a line is not a consequence of the one before."""
     return before.line.topic == ENDED or after.now_s - before.now_s > _CASCADE_S
 
 

@@ -36,7 +36,7 @@ _WITHOUT_TREND = 70
 _LEAST_TREND = 7
 _WITH_TORQUE = 70
 _VALUE = 10
-"""Width of a reading, so that those beside it stay where they are."""
+"""Width of a reading, so that those next to it stay where they are."""
 
 _WRITE: Mapping[str, Callable[[float], str]] = {
     "angle": lambda value: f"{degrees(value):z.1f}°",
@@ -183,7 +183,7 @@ def travelled(snapshot: Snapshot) -> list[Text]:
 
 
 def _written(snapshot: Snapshot, reading: ShownReading) -> str:
-    """Return a distance is shown with what the runs before this one came, where there were any."""
+    """Return a reading as shown; a distance begins with that of the runs before this one."""
     value = snapshot.signals.get(reading.signal, nan)
     written = "–" if isnan(value) else _WRITE[reading.kind](value)
     before_m = snapshot.before_m if reading.kind == "distance" else 0.0

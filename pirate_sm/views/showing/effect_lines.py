@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class EffectLine(NamedTuple):
-    """One line: what it is about in a word, and what there is to say."""
+    """One line: what it is about in a word, and what is said about it."""
 
     topic: str
     text: str

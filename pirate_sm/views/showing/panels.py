@@ -164,8 +164,8 @@ def header(
         snapshot: The moment.
         width: Of the line.
         flag: What is said first; by default who has the robot.
-        how: More about the backend, beside the names.
-        pace: What stands before the time; by default the backend.
+        how: More about the backend, next to the names.
+        pace: What is shown before the time; by default the backend.
     """
     scene = snapshot.scene
     word, style = flag or mode(snapshot)

@@ -28,12 +28,12 @@ from pirate_sm.views.showing.text_styles import ago
 
 
 SIDES = "AB~"
-"""The walls; the last one is beside the plane in which the part of a wheel lies."""
+"""The walls; the last one is next to the plane of a wheel's part."""
 
 _STRAIGHT = "drawn straight: no sensor speaks"
 
 _BESIDE_PLANE_M = 0.004
-"""A wheel farther from both walls, in its part's plane, touches the pipe beside that plane."""
+"""A wheel farther from both walls, in its part's plane, touches the pipe next to that plane."""
 
 
 class RobotPose(NamedTuple):
@@ -42,8 +42,8 @@ class RobotPose(NamedTuple):
     Attributes:
         wheels: Places, m, from the front.
         walls: Corners of the walls; none where the pipe is not known.
-        touching: Per wheel the wall that it touches, 0 for A and 1 for B, 2 beside the plane of its
-            part; -1 for none.
+        touching: Per wheel the wall that it touches, 0 for A and 1 for B, 2 next to its part's
+            plane; -1 for none.
         held: Per link whether it belongs to a part that is held.
         origin: In words where this comes from; empty where it is known.
         joints: The joints of an unrolled route.
@@ -116,7 +116,7 @@ def _touching(
         wheels: The wheels as they are drawn.
         walls: The walls as they are drawn.
         truth: What is known of the robot.
-        beside_m: A wheel that is farther from both walls touches beside the plane.
+        beside_m: A wheel that is farther from both walls touches next to the plane.
     """
     found = []
     for place, touches in zip(wheels, truth.touching, strict=False):
@@ -357,7 +357,7 @@ class _Drawing:
             self._name_wall(side, wall)
 
     def _name_wall(self, side: int, wall: tuple[Place, ...]) -> None:
-        """Write a wall's letter outside the pipe, beside the piece nearest the robot's middle."""
+        """Write a wall's letter outside the pipe, next to the piece nearest the robot's middle."""
         wheels = self._pose.wheels
         middle = len(wheels) // 2
         (x0, y0), (x1, y1) = wheels[middle - 1], wheels[middle]

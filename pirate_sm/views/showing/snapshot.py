@@ -242,7 +242,7 @@ class Snapshot:
         state: The engine's; None before it has begun.
         story: What has happened.
         truth: Where the robot is; None where that is not known.
-        reckoned: Whether that is reckoned from odometry, not known.
+        reckoned: Whether that is estimated from odometry, not known.
         link: How the link is; None where there is none.
         trends: The last values of the signals that the anatomy follows, oldest first.
         over: Whether nothing can happen any more.
@@ -271,7 +271,7 @@ class Snapshot:
 
     @property
     def untouched(self) -> bool:
-        """Return whether the mission has not begun, in this run or in one that it goes on from."""
+        """Return whether the mission has not begun, in this run or in one that it resumes."""
         state, program = self.state, self.scene.loaded.program
         if state is None or program.goes_on:
             return False
@@ -279,7 +279,7 @@ class Snapshot:
 
     @property
     def stopped_in(self) -> str:
-        """Return the phase in which the mission was stopped; empty once it goes on elsewhere."""
+        """Return the phase in which the mission was stopped; empty once it continues elsewhere."""
         return self.story.stopped_in_phase if self.untouched else ""
 
     @property
@@ -308,7 +308,7 @@ class Snapshot:
         """Return how long ago a state, clamp or signal was shown, s; NaN if it never was.
 
         Also NaN after the end, since a snapshot does not know how long ago that was.
-        During a silence mission time stands still: what was shown is as much older as nothing has
+        During a silence mission time is stopped: what was shown is as much older as nothing has
         been heard, counted from the last report.
         """
         shown_s = self._reported_s.get(name, nan)
@@ -367,7 +367,7 @@ class Snapshot:
         return nan if self.state is None or place < 0 else self.state.sensing.numbers[place]
 
 
-# --- moments of a run that goes on --------------------------------------------------------------
+# --- moments of a run under way ----------------------------------------------------------------
 
 
 TREND_EVERY_S = 0.5

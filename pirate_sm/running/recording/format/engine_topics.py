@@ -58,7 +58,7 @@ class Started(NamedTuple):
     Attributes:
         paused: Whether the operator had the robot first.
         body: What an earlier mission had commanded the robot to, as JSON; empty without one.
-        resumed: With what a mission goes on whose run was cut off, as JSON; empty if none does.
+        resumed: What an interrupted mission resumes with, as JSON; empty if none does.
     """
 
     paused: bool = False
@@ -305,7 +305,7 @@ class Topics:
         """Return the topic of a type of events or effects.
 
         Raises:
-            KeyError: It is no such type.
+            KeyError: There is no such type.
         """
         if made not in self._plain:
             if made not in _INPUTS | _EFFECTS:
@@ -389,7 +389,7 @@ class Placed(NamedTuple):
 
     Attributes:
         at_s: The time, s.
-        known: Whether it is a simulator's true position; else it is reckoned.
+        known: Whether it is a simulator's true position; else it is estimated.
         wheels: Position of each wheel in the plane of the pipe, m; empty if unknown.
         space: What they leave out of a robot in space, if known.
         rolls_rad: The same of a robot in a plane: angle of its roll joint, roll of the front and
@@ -434,7 +434,7 @@ def places_sample(
 
 
 def encode_samples(samples: Sequence[PlacesSample]) -> bytes:
-    """Return a batch of samples as JSON; a position that is no number is unknown."""
+    """Return a batch of samples as JSON; a position that is not a number is unknown."""
     times_s, known, *others = zip(*samples, strict=True)
     places_m, space, rolls_rad = map(_finite, others)
     columns = {"t_s": times_s, "known": known, "places_m": places_m}
@@ -465,7 +465,7 @@ def _finite(rows: Rows) -> Rows:
 
 
 def _space_of(values: Sequence[float], wheels: int) -> InSpace | None:
-    """Return what a robot in space has beside its places; None if that is unknown."""
+    """Return what a robot in space has in addition to its places; None if that is unknown."""
     if not values:
         return None
     digits = _nine_digits(values)

@@ -62,14 +62,14 @@ class RecordedFile:
 
 @dataclass(frozen=True)
 class ResumedRun:
-    """A recording from which a run goes on that was cut off.
+    """A recording of a run that was cut off and is resumed.
 
     Attributes:
         name: Name of its file.
         sha256: Hash of its file, hexadecimal.
         last_step: Number of its last step.
         last_s: Time of that step by the engine's clock, s.
-        resumption: With what the mission goes on, as JSON.
+        resumption: What the mission resumes with, as JSON.
         said: What the operator has said about the robot, in words.
     """
 
@@ -106,7 +106,7 @@ class RunHeader:
         files: The texts.
         viewers: Whether it has messages for viewers; if not, it has samples, from which they can be
             made.
-        resumed: The recordings from which it goes on, the first run first; empty for most.
+        resumed: The recordings that it resumes, the first run first; empty for most.
     """
 
     began: str

@@ -199,12 +199,12 @@ def state_from_text(written: str) -> EngineState:
 
 
 def resumption_to_text(resumption: Resumption | None) -> str:
-    """Return with what a mission goes on as JSON, without loss; empty for none."""
+    """Return what a mission resumes with as JSON, without loss; empty for none."""
     return "" if resumption is None else _to_text(Resumption, resumption)
 
 
 def resumption_from_text(written: str) -> Resumption | None:
-    """Return with what a mission goes on, from the output of :func:`resumption_to_text`.
+    """Return what a mission resumes with, from the output of :func:`resumption_to_text`.
 
     Raises:
         ValueError: The text is not a resumption by this version of the engine.

@@ -251,7 +251,7 @@ class Recording:
                 yield each._replace(effects=with_own_times(each.effects, self.origin_s))
 
     def shown(self, *topics: str, since_s: float = -inf) -> Iterator[ViewerMessage]:
-        """Yield the messages beside the engine's: of these topics, or all for viewers, in order.
+        """Yield messages other than the engine's: of these topics, or all for viewers, in order.
 
         Args:
             topics: Their names.
@@ -339,7 +339,7 @@ def read_recording(
         damaged: Whether to accept a damaged recording, which then ends where the damage begins.
 
     Raises:
-        RecordingError: There is no such file, it is no recording, or its header is damaged.
+        RecordingError: There is no such file, it is not a recording, or its header is damaged.
     """
     try:
         with opened(path) as file:

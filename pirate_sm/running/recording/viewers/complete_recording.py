@@ -141,7 +141,7 @@ class _Ahead(Generic[T]):
         self.next = next(values, None)
 
     def pass_by(self) -> None:
-        """Go on to the value after the next one."""
+        """Advance to the value after the next one."""
         self.next = next(self._values, None)
 
 

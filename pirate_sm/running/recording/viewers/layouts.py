@@ -146,7 +146,7 @@ def _colors(plot: LayoutPlot) -> Iterator[str]:
 
 
 def _split(direction: str, parts: Sequence[str | Split]) -> str | Split:
-    """Return two parts beside or above each other; a single part alone."""
+    """Return two parts next to or above each other; a single part alone."""
     if len(parts) < 2 or not parts[1]:
         return parts[0]
     first, second = parts
@@ -186,7 +186,7 @@ def plotjuggler_layout(loaded: LoadedMission) -> str:
 
 
 def _docks(parent: Xml.Element, orientation: str, count: int) -> Xml.Element:
-    """Add room for parts of one size, beside (``|``) or above (``-``) each other."""
+    """Add room for parts of one size, next to (``|``) or above (``-``) each other."""
     sizes = ";".join([f"{1 / count:.6f}"] * count)
     room = {"orientation": orientation, "count": str(count), "sizes": sizes}
     return Xml.SubElement(parent, "DockSplitter", room)

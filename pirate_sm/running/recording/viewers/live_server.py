@@ -1,4 +1,4 @@
-"""Shows a run while it goes on: a WebSocket on loopback for Foxglove and Lichtblick."""
+"""Shows a run while it is under way: a WebSocket on loopback for Foxglove and Lichtblick."""
 
 from __future__ import annotations
 

@@ -209,7 +209,7 @@ class SpaceTransforms:
         return f'{{"transforms":[{",".join(found)}]}}'.encode()
 
     def _axes(self, points: Sequence[Vector], normals: tuple[Vector, Vector]) -> dict[str, Frame]:
-        """Return the axes of each frame of a link, as it stands in its part's plane."""
+        """Return the axes of each frame of a link in its part's plane."""
         found, link = {}, -1
         for frame in self._frames:
             if frame.axis == "x":

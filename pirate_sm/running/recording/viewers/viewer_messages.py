@@ -60,7 +60,7 @@ def flat(topic: str, columns: Mapping[str, Any]) -> ViewerChannel:
 
 
 def foxglove(topic: str, name: str) -> ViewerChannel:
-    """Return a topic of one of Foxglove's types; their schemas are beside this module."""
+    """Return a topic of one of Foxglove's types; their schemas are next to this module."""
     title = f"foxglove.{name}"
     file = files("pirate_sm.running.recording.viewers") / "foxglove_schemas" / f"{title}.json"
     return ViewerChannel(topic, title, json.loads(file.read_text("utf-8")))
@@ -197,7 +197,7 @@ class ViewerSnapshot(NamedTuple):
     Attributes:
         state: The engine's state.
         numbers: All signals in the order of the vocabulary, SI.
-        wheels: Positions of the wheels in the plane of the pipe, m, if known or reckoned.
+        wheels: Positions of the wheels in the plane of the pipe, m, if known or estimated.
         known: Whether they are the true positions.
         space: What they leave out of a robot in space, if known.
         camera: What the detector's camera sees, if there is one.

@@ -240,7 +240,7 @@ class WrittenPiece(NamedTuple):
 
 
 class SideWriter(Protocol):
-    """Writes what a recording holds beside the engine's topics."""
+    """Writes what a recording holds in addition to the engine's topics."""
 
     def tell(self, file: RecordingFile, told: Sequence[Told]) -> None:
         """Add messages about these effects and samples to the file; never raise."""
@@ -254,7 +254,7 @@ class PieceMaker:
     Args:
         file: Receives the messages.
         topics: Topics of the engine's inputs and effects.
-        beside: Writes what the file holds beside these topics.
+        beside: Writes what the file holds in addition to these topics.
 
     Attributes:
         steps: Number of steps of the engine in the next piece.

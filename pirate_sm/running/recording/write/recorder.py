@@ -1,4 +1,4 @@
-"""Records a run while it goes on: the run itself only notes what happened.
+"""Records a run while it is under way: the run itself only notes what happened.
 
 A thread encodes the notes and waits for the disk, so that neither slows the loop down. An error
 there ends the recording, not the run; ``failure`` gives the reason.

@@ -51,7 +51,7 @@ class Node:
     Attributes:
         id: Unique id; :func:`pirate_sm.views.drawing.graph.highlight.highlight` uses it.
         title: Its name for readers.
-        lines: Its actions, in order; a line is indented by blanks.
+        lines: Its actions, in order; a line is indented by spaces.
         tooltip: Details.
         cluster: Id of its cluster.
         visits: Numbers of the visits, from 1; empty if it was not visited.

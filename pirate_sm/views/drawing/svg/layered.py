@@ -102,7 +102,7 @@ def _wish(
 
 @dataclass(frozen=True, slots=True)
 class _Rows:
-    """The vertices of each rank and where they stand at present."""
+    """The vertices of each rank and their present positions."""
 
     layers: Sequence[Sequence[int]]
     vertices: Sequence[Vertex]
@@ -160,7 +160,7 @@ class _Rows:
             seen.update(layer)
 
     def _free(self, layer: Sequence[int], place: int) -> tuple[float, float]:
-        """Return between which x the vertex can stand while its neighbours stay."""
+        """Return between which x the vertex can be while its neighbours stay."""
         vertex = layer[place]
         low, high = float("-inf"), float("inf")
         if place:
@@ -217,7 +217,7 @@ class _Plan:
 
 
 def layered(boxes: Sequence[Size], links: Sequence[LayoutLink]) -> GraphLayout:
-    """Return a layout in which no label lies on a box, another label or a foreign link.
+    """Return a layout in which no label covers a box, another label or a foreign link.
 
     Args:
         boxes: In reading order: a cycle is cut before its first box.

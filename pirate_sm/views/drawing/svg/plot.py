@@ -34,7 +34,7 @@ class PlotSeries:
 
     Attributes:
         name: For the key; empty for none of its own.
-        x: Where they stand.
+        x: Their positions.
         y: Their values; NaN where there is none.
         look: A line, dots, or a band from ``y`` to ``upper``.
         upper: The other edge of a band.
@@ -56,7 +56,7 @@ class Plot:
     Attributes:
         title: Above it.
         x_label: Under the horizontal axis, with its unit.
-        y_label: Beside the vertical axis, with its unit.
+        y_label: Next to the vertical axis, with its unit.
         series: What is drawn, the last one on top.
         log_x: Whether the horizontal axis is logarithmic; then what is not positive is left out.
         most_y: What is higher is cut off; None: nothing.
@@ -72,7 +72,7 @@ class Plot:
 
 @dataclass(frozen=True)
 class _Axis:
-    """Where values of an axis stand in the picture."""
+    """Where values of an axis are in the picture."""
 
     low: float
     high: float

@@ -48,7 +48,7 @@ class EdgeRoute:
     Attributes:
         points: From border to border. If two consecutive points have different x, the link curves
             from one vertical to the next; other pieces are straight.
-        loop: Whether it leads back to its own box and is drawn beside it.
+        loop: Whether it leads back to its own box and is drawn next to it.
         label: Upper left corner of the label.
     """
 

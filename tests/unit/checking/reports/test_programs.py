@@ -13,7 +13,8 @@ import xmlschema
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.reports.check_report import CheckReport
-from pirate_sm.checking.reports.machine_readable import json_report, junit_report, sarif_report
+from pirate_sm.checking.reports.junit import junit_report
+from pirate_sm.checking.reports.machine_readable import json_report, sarif_report
 from pirate_sm.core.documents import Place
 
 from ..robots import ROOT
