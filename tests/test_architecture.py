@@ -22,7 +22,7 @@ TEXTS = {
 """The source files by their names in the package."""
 _WORD = re.compile(r"[A-Za-z]\w*")
 LONGEST_FILE = 500
-LONG_FILE, MOST_LONG_FILES = 400, 68
+LONG_FILE, MOST_LONG_FILES = 400, 67
 """Files that are longer than this may only become fewer (decision 122)."""
 
 LONGEST_FUNCTION = 60

@@ -184,23 +184,19 @@ def narrowed(mission: Schema, robot: LoadedRobot) -> Schema:
 def _commands(robot: LoadedRobot) -> Schema:
     about = {name: command.description for name, command in robot.profile.commands.items()}
     about |= {alias: f"Another name of {name}." for alias, name in robot.profile.aliases.items()}
-    return {
-        "type": "string",
-        "description": f"A command of {robot.profile.robot}.",
-        "enum": list(about),
-        "enumDescriptions": list(about.values()),
-    }
+    return _one_of(about, f"A command of {robot.profile.robot}.")
 
 
 def _controls(robot: LoadedRobot) -> Schema:
     about = {name: control.description for name, control in robot.profile.controls.items()}
     about[USUAL] = "The robot's default actuation."
-    return {
-        "type": "string",
-        "description": f"A control of {robot.profile.robot}.",
-        "enum": list(about),
-        "enumDescriptions": list(about.values()),
-    }
+    return _one_of(about, f"A control of {robot.profile.robot}.")
+
+
+def _one_of(about: Mapping[str, str], description: str) -> Schema:
+    """Return the schema of one of the names, each with what editors say about it."""
+    names = {"enum": list(about), "enumDescriptions": list(about.values())}
+    return {"type": "string", "description": description, **names}
 
 
 def _owners(robot: LoadedRobot) -> Schema:

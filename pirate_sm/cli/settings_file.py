@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -115,14 +116,7 @@ def _fault(key: str, value: Any, *, is_project: bool) -> dict[str, Any] | None:
         if key in SETTINGS:
             message = f"only the user's own file sets '{key}'"
             return {"code": "settings.forbidden", "message": message, "at_key": True}
-        close = nearest(key, known)
-        return {
-            "code": "settings.unknown-key",
-            "message": f"there is no setting '{key}'",
-            "suggestion": close or "",
-            "expected": "" if close else one_of(known),
-            "at_key": True,
-        }
+        return _unknown("setting", key, known, "settings.unknown-key", at_key=True)
     if key == "trusted":
         if isinstance(value, list) and all(isinstance(each, str) and each for each in value):
             return None
@@ -131,15 +125,21 @@ def _fault(key: str, value: Any, *, is_project: bool) -> dict[str, Any] | None:
         return _of_type("a text in quotes", value)
     names = SETTINGS[key].names
     if names is not None and value not in (valid := names()):
-        close = nearest(value, valid)
-        return {
-            "code": "settings.unknown-value",
-            "message": f"there is no {key} '{value}'",
-            "suggestion": close or "",
-            "expected": "" if close else one_of(valid),
-            "at_key": False,
-        }
+        return _unknown(key, value, valid, "settings.unknown-value", at_key=False)
     return None
+
+
+def _unknown(
+    what: str, name: str, known: Collection[str], code: str, *, at_key: bool
+) -> dict[str, Any]:
+    close = nearest(name, known)
+    return {
+        "code": code,
+        "message": f"there is no {what} '{name}'",
+        "suggestion": close or "",
+        "expected": "" if close else one_of(known),
+        "at_key": at_key,
+    }
 
 
 def _of_type(expected: str, value: Any) -> dict[str, Any]:

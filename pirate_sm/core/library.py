@@ -79,16 +79,19 @@ def find_scene(name: str) -> Path:
     return _find_file("scene", name, None, scenes())
 
 
-def find_robot(name: str, beside: Path | None = None) -> Path:
+def find_robot(name: str | None, beside: Path | None = None) -> Path:
     """Return the folder of the robot of this name or path.
 
     Args:
-        name: A shipped robot's name, or the path of a folder or of the profile in it.
+        name: A shipped robot's name, or the path of a folder or of the profile in it; None: the
+            first shipped robot.
         beside: A folder to which relative paths refer first.
 
     Raises:
         UsageError: No such robot exists.
     """
+    if name is None:
+        return robots()[0]
     for path in _candidates(name, beside):
         if is_file(path / PROFILE_FILE):
             return path.resolve()
@@ -101,15 +104,6 @@ def find_robot(name: str, beside: Path | None = None) -> Path:
         where = f"there is no robot at '{_cut(name)}'"
         raise UsageError(f"{where}: expected a folder with {PROFILE_FILE}")
     return _by_name("robot", name, {path.name: path for path in robots()})
-
-
-def chosen_robot(name: str | None) -> Path:
-    """Return the folder of the robot that a user names, or of the first one without a name.
-
-    Raises:
-        UsageError: No such robot exists.
-    """
-    return robots()[0] if name is None else find_robot(name, Path.cwd())
 
 
 def shadowing(name: str, found: Path) -> str:

@@ -21,12 +21,13 @@ def junit_report(report: CheckReport, fail_on: Severity) -> str:
     by_file: dict[str, list[Finding]] = {file.name: [] for file in report.files}
     for finding in report.findings:
         by_file.setdefault(finding.place.file, []).append(finding)
-    return junit_text("check", [_suite(file, found, fail_on) for file, found in by_file.items()])
+    suites = [_suite(file, found, fail_on) for file, found in by_file.items()]
+    return junit_text("pirate check", suites)
 
 
-def junit_text(command: str, suites: Sequence[Element]) -> str:
-    """Return suites of a command of `pirate` as JUnit XML; they have been counted."""
-    root = Element("testsuites", name=f"pirate {command}")
+def junit_text(name: str, suites: Sequence[Element]) -> str:
+    """Return counted suites as JUnit XML, under a common name."""
+    root = Element("testsuites", name=name)
     for key in ("tests", "failures", "errors"):
         root.set(key, str(sum(int(each.attrib[key]) for each in suites)))
     root.extend(suites)

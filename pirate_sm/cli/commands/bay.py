@@ -123,7 +123,7 @@ def _setting(options: BayOptions) -> _Setting:
     """Return the robot and pipe of the options, by default the first shipped ones."""
     if options.mission is not None:
         return _setting_of(options.mission, options)
-    folder = library.chosen_robot(options.robot)
+    folder = library.find_robot(options.robot, Path.cwd())
     return _Setting(load_robot(folder).profile, folder, _pipe(options.pipe), None)
 
 

@@ -118,7 +118,7 @@ def one_picture(
 
 def _at_start(robot: str | None, pipe: str) -> ShownScene:
     """Return a straight robot at the start in a pipe."""
-    body = load_robot(library.chosen_robot(robot)).profile.body
+    body = load_robot(library.find_robot(robot, Path.cwd())).profile.body
     found, _ = load_pipe(library.find_pipe(pipe, Path.cwd()))
     route = found.route()
     lengths = [link.length for link in body.links]

@@ -6,6 +6,7 @@ import json
 import sys
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
+from pathlib import Path
 
 from pirate_sm.cli.errors import StoppedError, say, stopper
 from pirate_sm.cli.options.declaring import read_duration
@@ -32,7 +33,7 @@ def find_loaded(name: str | None) -> LoadedRobot:
         LoadError: Its files cannot be used.
         UsageError: There is no such robot.
     """
-    return load_robot(library.chosen_robot(name))
+    return load_robot(library.find_robot(name, Path.cwd()))
 
 
 def named_port(port: str | None) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from textwrap import wrap
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -39,7 +40,7 @@ def run_experiment(options: ExperimentOptions) -> int:
     from pirate_sm.lab.experiments.setups import compared
     from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
-    folder = library.chosen_robot(options.robot)
+    folder = library.find_robot(options.robot, Path.cwd())
     profile = load_robot(folder).profile
     every: list[ComparedRow] = []
     sections = []

@@ -70,7 +70,7 @@ def write_mission(options: NewMissionOptions) -> int:
     """
     name, robot = options.name, options.robot
     _check("mission", name)
-    folder = library.chosen_robot(robot)
+    folder = library.find_robot(robot, Path.cwd())
     loaded = load_robot(folder)
     shipped = folder in library.robots()
     own = folder / _SCHEMA
@@ -139,7 +139,7 @@ def write_pipe(options: NewPipeOptions) -> int:
     """
     name = options.name
     _check("pipe", name)
-    folder = library.chosen_robot(options.robot)
+    folder = library.find_robot(options.robot, Path.cwd())
     loaded = load_robot(folder)
     length_m = sum(link.length for link in loaded.profile.body.links)
     text = _fill(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import groupby
+from pathlib import Path
 
 from pirate_sm.checking.findings import settle
 from pirate_sm.checking.robot.check_robot import robot_findings
@@ -26,7 +27,7 @@ def write_page(options: RobotOptions) -> int:
         UsageError: There is no such robot, or the file cannot be written.
     """
     name, output = options.name, options.output
-    folder = library.chosen_robot(name)
+    folder = library.find_robot(name, Path.cwd())
     refuse_losses([output], inputs=[folder], overwrite=options.overwrite)
     alone = output is not None and output.suffix.lower() == ".svg"
     if alone and options.html:

@@ -47,7 +47,7 @@ def refuse_losses(
 ) -> None:
     """Refuse to write over a file that may be the only one of its kind.
 
-    A file that this program made and nobody edits, such as a drawing, is written over.
+    A file that this program made and that is not edited, such as a drawing, is overwritten.
 
     Args:
         places: The files to write.

@@ -233,7 +233,7 @@ class Offer(NamedTuple):
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """Why it does not resume without a person; empty if it does."""
+        """Why it does not resume without an operator; empty if it does."""
         expected = self.forecast
         if self.refusals or expected is None:
             return self.refusals or ("it is unknown what would become of it",)

@@ -103,7 +103,7 @@ def first_wheel_m(end: EndOfRun) -> float | None:
 
 
 def driven_s(end: EndOfRun, dark_s: float) -> float:
-    """Return how long wheels may have been driven in the dark time, infinite if nobody knows.
+    """Return how long wheels may have been driven in the dark time, infinite if unknown.
 
     A simulated robot stops with its program. The firmware of a real one stops by itself if it has
     a dead man's switch.

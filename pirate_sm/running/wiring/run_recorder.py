@@ -121,7 +121,7 @@ def samples_of_trails(prepared: Prepared) -> LookBack[PlacesOfTrail] | None:
 
 
 def _wheels(prepared: Prepared, stood: Stood | None) -> tuple[tuple[Place, ...] | None, bool]:
-    """Return where the wheels are, None if nobody knows; and whether that is true."""
+    """Return where the wheels are, None if unknown; and whether that is true."""
     if prepared.wheels is not None:
         return prepared.wheels() if stood is None else stood.wheels, True
     taken = prepared.reckoned() if prepared.reckoned else None
@@ -129,7 +129,7 @@ def _wheels(prepared: Prepared, stood: Stood | None) -> tuple[tuple[Place, ...] 
 
 
 def _space(prepared: Prepared, stood: Stood | None) -> InSpace | None:
-    """Return what the wheels' places leave out of a robot in space; None if nobody knows."""
+    """Return what the wheels' places leave out of a robot in space; None if unknown."""
     if prepared.in_space is not None:
         return prepared.in_space() if stood is None else stood.space
     taken = prepared.reckoned() if prepared.reckoned else None
