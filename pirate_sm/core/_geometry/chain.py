@@ -83,20 +83,19 @@ class Chain:
             first: See :meth:`headings`.
             pose: Pose of the link behind the reference wheel.
         """
-        first = min(first, len(self.lengths_m) - 1)
-        steps = [
-            (length * cos(heading), length * sin(heading))
-            for length, heading in zip(
-                self.lengths_m, self.headings(angles, first, pose.heading_rad), strict=True
-            )
-        ]
-        places: list[Place] = [(pose.x_m, pose.y_m)] * (len(steps) + 1)
-        for wheel in range(first, len(steps)):
-            (x, y), (along, across) = places[wheel], steps[wheel]
-            places[wheel + 1] = (x - along, y - across)
-        for wheel in range(first - 1, -1, -1):
-            (x, y), (along, across) = places[wheel + 1], steps[wheel]
-            places[wheel] = (x + along, y + across)
+        headings, lengths_m = self.headings(angles, first, pose.heading_rad), self.lengths_m
+        first = min(first, len(lengths_m) - 1)
+        x, y = start = pose.x_m, pose.y_m
+        places: list[Place] = [start] * (len(lengths_m) + 1)
+        for link in range(first, len(lengths_m)):
+            x -= lengths_m[link] * cos(headings[link])
+            y -= lengths_m[link] * sin(headings[link])
+            places[link + 1] = x, y
+        x, y = start
+        for link in range(first - 1, -1, -1):
+            x += lengths_m[link] * cos(headings[link])
+            y += lengths_m[link] * sin(headings[link])
+            places[link] = x, y
         return places
 
     def lean(self, places: Sequence[Place], wheels: Sequence[int], aside_m: float) -> float:

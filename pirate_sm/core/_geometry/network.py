@@ -263,10 +263,12 @@ class Piece(NamedTuple):
 
     def diameter_at(self, arc_m: float) -> float:
         """Return the inner diameter at an arc length, m."""
-        if self.ends_with_m == self.diameter_m or self.length_m == 0.0:
-            return self.ends_with_m
+        if self.narrowed_m in (inf, self.diameter_m):
+            return self.diameter_m
+        if self.length_m == 0.0:
+            return self.narrowed_m
         share = min(max((arc_m - self.arc_m) / self.length_m, 0.0), 1.0)
-        return self.diameter_m + share * (self.ends_with_m - self.diameter_m)
+        return self.diameter_m + share * (self.narrowed_m - self.diameter_m)
 
     def frame_at(self, arc_m: float) -> Frame:
         """Return the frame of the centre line at an arc length."""
@@ -304,9 +306,16 @@ class Piece(NamedTuple):
 
     def nearest(self, point: Vector, least_m: float, most_m: float) -> tuple[float, float]:
         """Return the distance of a point, and the nearest place within a range along it, m."""
-        along = min(max(self.beyond_m(point), least_m), most_m)
+        (px, py, pz), ((x, y, z), (ax, ay, az), *_) = point, self.frame
+        along = (px - x) * ax + (py - y) * ay + (pz - z) * az
+        if self.arc is not None:
+            along = self.beyond_m(point)
+        if along < least_m:  # faster than the least and the most; asked for each wheel in each look
+            along = least_m
+        elif along > most_m:
+            along = most_m
         if self.arc is None:
-            return dist(point, self.frame.point(along)), along
+            return dist(point, (x + along * ax, y + along * ay, z + along * az)), along
         if 0.0 <= along <= self.length_m:
             return dist(point, self._on_arc(self.arc, along)), along
         return dist(point, self.frame_at(self.arc_m + along).origin), along

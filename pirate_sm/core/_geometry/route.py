@@ -178,6 +178,11 @@ class Route:
         self.network, self.placement = network, place(network)
         passages = passages_of(network, runs)
         self.pieces = tuple(_carried(self._strung(passages)))
+        first, last = self.pieces[0], self.pieces[-1]
+        self._stretches = [  # the first and the last extend without limit
+            (piece, -inf if piece is first else 0.0, inf if piece is last else piece.length_m)
+            for piece in self.pieces
+        ]
         self.joints = tuple(joints_of(self.pieces, passages, self.placement.tees))
         turning = [joint for joint in self.joints if joint.turn_rad]
         self.crossings_m = tuple(joint.arc_m for joint in turning)
@@ -190,7 +195,10 @@ class Route:
 
     def piece_at(self, arc_m: float) -> Piece:
         """Return the piece at an arc length; the first and the last extend without limit."""
-        return next((piece for piece in self.pieces if arc_m <= piece.ends_m), self.pieces[-1])
+        for piece in self.pieces:
+            if arc_m <= piece.arc_m + piece.length_m:
+                return piece
+        return self.pieces[-1]
 
     def frame_at(self, arc_m: float) -> Frame:
         """Return the frame of the centre line at an arc length."""
@@ -211,10 +219,8 @@ class Route:
 
     def nearest(self, point: Vector) -> tuple[float, float]:
         """Return the arc length of the nearest point of the centre line, and its distance, m."""
-        nearest, found, last = inf, 0.0, len(self.pieces) - 1
-        for number, piece in enumerate(self.pieces):
-            least = 0.0 if number > 0 else -inf
-            most = piece.length_m if number < last else inf
+        nearest, found = inf, 0.0
+        for piece, least, most in self._stretches:
             away, along = piece.nearest(point, least, most)
             if away < nearest:
                 nearest, found = away, piece.arc_m + along

@@ -43,12 +43,12 @@ class Frame(NamedTuple):
 
     def moved(self, along_m: float) -> Frame:
         """Return the frame moved ahead by this distance."""
-        return self._replace(origin=self.point(along_m))
+        return Frame(self.point(along_m), self.ahead, self.side, self.normal)
 
     def turned(self, angle_rad: float) -> Frame:
         """Return the frame turned about its normal; a positive angle turns towards side A."""
         ahead, side = _turned(self.ahead, self.side, angle_rad)
-        return self._replace(ahead=ahead, side=side)
+        return Frame(self.origin, ahead, side, self.normal)
 
     def rolled(self, angle_rad: float) -> Frame:
         """Return the frame rolled about ``ahead``; a positive angle rolls side A off the normal.
@@ -56,7 +56,7 @@ class Frame(NamedTuple):
         So side A goes up by a positive angle where the pipe lies flat.
         """
         side, normal = _turned(self.side, self.normal, -angle_rad)
-        return self._replace(side=side, normal=normal)
+        return Frame(self.origin, self.ahead, side, normal)
 
     def towards(self, roll_rad: float) -> Vector:
         """Return the unit vector across ``ahead`` at this roll; 0 is towards side A."""

@@ -26,7 +26,8 @@ diameter then, and is not moved. Between bars every part is assumed to lie in th
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import atan2, hypot, inf, isfinite, isnan, nan, pi, radians, remainder
+from functools import lru_cache
+from math import atan2, cos, hypot, inf, isfinite, isnan, nan, pi, radians, remainder, sin
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.core.geometry import (
@@ -38,7 +39,6 @@ from pirate_sm.core.geometry import (
     dot,
     flat,
     in_space,
-    turned,
 )
 from pirate_sm.core.sensing import WHOLE, BodySpec
 from pirate_sm.robot.detectors.room import Room
@@ -162,6 +162,7 @@ class Reckoned(NamedTuple):
         checked_m: Reading of the odometer when the walls were last compared with the chain.
         shape: Whether the robot, as its joints show it, has room in the pipe there with each anchor
             along its leg. It is unknown without an anchor, and while the roll joint is turned.
+        straight: Whether each anchor lies along its leg, and all along one axis.
     """
 
     places_m: tuple[float, ...]
@@ -171,6 +172,7 @@ class Reckoned(NamedTuple):
     spots: dict[int, AnchorSpot]
     checked_m: float
     shape: Shape = "unknown"
+    straight: bool = False
 
     @property
     def points(self) -> tuple[Place, ...]:
@@ -198,6 +200,7 @@ class Reckoner:
         self._odometer = odometer
         self._flat = route.section == "bars"
         self._rolls = not self._flat and body.roll >= 0
+        self._posed = lru_cache(maxsize=4)(self._pose)  # places are tried with one pose
         self._walls = KnownWalls(route, body.wheel_radius_m, sum(body.lengths_m))
 
     def unknown(self, numbers: Sequence[float]) -> list[int]:
@@ -228,7 +231,8 @@ class Reckoner:
         places = self._places(chain, spot)
         stood = {each: self._stand(each, chain, places) for each in held or {WHOLE}}
         spots = {each: spot for each, spot in stood.items() if spot is not None}
-        return Reckoned(places, chain, counted, anchor, spots, counted)
+        straight = self.straight(numbers, spots)
+        return Reckoned(places, chain, counted, anchor, spots, counted, straight=straight)
 
     def look(
         self,
@@ -271,9 +275,10 @@ class Reckoner:
                 chain = _filled(chain, self._lay(numbers, other, spots[other]))
             places = self._places(chain, spots[anchor])
         checked_m = before.checked_m if isnan(away_m) else counted
-        if shape == "fits" and not self.straight(numbers, spots):
+        straight = self.straight(numbers, spots)
+        if shape == "fits" and not straight:
             shape = "contradicts"
-        return Reckoned(places, chain, counted, anchor, spots, checked_m, shape)
+        return Reckoned(places, chain, counted, anchor, spots, checked_m, shape, straight)
 
     def roll_of(self, reckoned: Reckoned, part: int) -> float:
         """Return the roll of a part against the frame of the pipe there, rad; NaN is unknown."""
@@ -324,9 +329,10 @@ class Reckoner:
 
     def straight(self, numbers: Sequence[float], spots: dict[int, AnchorSpot]) -> bool:
         """Return whether each anchor lies along its leg, and all along one axis."""
+        if not (spots and all(self.lies(numbers, at, spot.middle_m) for at, spot in spots.items())):
+            return False
         headings = [self._body.heading_in_pipe(numbers, part, 0) for part in spots]
-        lie = all(self.lies(numbers, part, spot.middle_m) for part, spot in spots.items())
-        return lie and max(headings) - min(headings) <= _ONE_AXIS_RAD
+        return max(headings) - min(headings) <= _ONE_AXIS_RAD
 
     def _levelled(self, spot: AnchorSpot, felt_rad: float) -> AnchorSpot:
         """Return a place with the roll that is felt against the horizontal."""
@@ -395,22 +401,28 @@ class Reckoner:
             spot: Its place.
             at: The wheels at the spot; by default the anchor's.
         """
-        body, wheels = self._body, self._body.wheels_of(anchor)
-        first = min(wheels)
-        shape = body.places(body.angles(numbers), first)
-        aside_m = 0.0 if anchor == WHOLE else self._aside_m(spot.middle_m)
-        turn = body.lean(shape, wheels, aside_m)
-        laid = [turned(place, turn) for place in shape]
-        forward = -_mean([laid[wheel][0] for wheel in at or wheels])
-        across = _mean([body.sides[wheel] * aside_m - laid[wheel][1] for wheel in wheels])
+        body, aside_m = self._body, 0.0 if anchor == WHOLE else self._aside_m(spot.middle_m)
         roll_rad = 0.0 if isnan(spot.roll_rad) else spot.roll_rad
         return in_space(
-            [(x + forward, y + across) for x, y in laid],
+            self._posed(body.angles(numbers), anchor, aside_m, at),
             self._route.frame_at(spot.middle_m).rolled(roll_rad),
-            wheel=first,
+            wheel=body.wheels_of(anchor)[0],
             link=body.roll_link if self._rolls else _RIGID,
             roll_rad=self._turned_rad(numbers),
         )
+
+    def _pose(
+        self, angles: tuple[float, ...], anchor: int, aside_m: float, at: tuple[int, ...]
+    ) -> Sequence[Place]:
+        """Return the wheels in the plane of an anchor that lies along x; see :meth:`_lay`."""
+        body, wheels = self._body, self._body.wheels_of(anchor)
+        shape = body.places(angles, wheels[0])
+        turn = body.lean(shape, wheels, aside_m)
+        c, s = cos(turn), sin(turn)
+        laid = [(x * c - y * s, x * s + y * c) for x, y in shape]
+        forward = -_mean([laid[wheel][0] for wheel in at or wheels])
+        across = _mean([body.sides[wheel] * aside_m - laid[wheel][1] for wheel in wheels])
+        return [(x + forward, y + across) for x, y in laid]
 
     def _turned_rad(self, numbers: Sequence[float]) -> float:
         """Return the angle of the roll joint; 0 without one."""

@@ -18,7 +18,6 @@ from collections import defaultdict, deque
 from collections.abc import Sequence
 from dataclasses import replace
 from math import inf, isnan, nan, radians
-from operator import itemgetter
 from statistics import median
 
 from pirate_sm.core.effects import CommandStatus, Effect, Log, Setpoints, StateChange
@@ -75,13 +74,13 @@ class Rolling:
     def _freshest(self, state: EngineState) -> float:
         """Return the speed of the driven wheel that reported last, m/s; 0 if none is known."""
         robot, sensing = self._robot, state.sensing
-        speeds = (
-            (sensing.heard_s[position], sensing.numbers[wheel.speed] * wheel.metres_per_rad)
-            for wheel, position in zip(robot.wheels, robot.wheel_boards, strict=True)
-            if sensing.shares[wheel.place]
-        )
-        known = [each for each in speeds if not isnan(each[1])]
-        return max(known, key=itemgetter(0))[1] if known else 0.0
+        last_s, found = -inf, 0.0
+        for wheel, position in zip(robot.wheels, robot.wheel_boards, strict=True):
+            if sensing.shares[wheel.place] and sensing.heard_s[position] > last_s:
+                speed = sensing.numbers[wheel.speed] * wheel.metres_per_rad
+                if not isnan(speed):
+                    last_s, found = sensing.heard_s[position], speed
+        return found
 
 
 def _slower(own: float, robots: float) -> float:
@@ -164,15 +163,12 @@ class Odometer:
             return ()
         in_force, newest = state.robot.values, state.robot.latest
         silent_s = now_s - self._robot.link.silent_after_s
-        heard = [
-            wheel
-            for wheel, position in zip(self._robot.wheels, self._robot.wheel_boards, strict=True)
-            if state.sensing.heard_s[position] > silent_s and not isnan(self._angles[wheel.place])
-        ]
         driven = [
             wheel.place
-            for wheel in heard
-            if in_force[wheel.slot] or newest[wheel.slot] or wheel.place in self._sharing
+            for wheel, position in zip(self._robot.wheels, self._robot.wheel_boards, strict=True)
+            if state.sensing.heard_s[position] > silent_s
+            and not isnan(self._angles[wheel.place])
+            and (in_force[wheel.slot] or newest[wheel.slot] or wheel.place in self._sharing)
         ]
         driven = [place for place in driven if place not in state.sensing.distance.out] or driven
         return tuple(place for place in driven if place in holding) or tuple(driven)
@@ -251,6 +247,7 @@ class Odometry:
         self._robot = robot
         self._reckoner = Reckoner(robot.body, self._route, robot.odometry)
         self._odometer = Odometer(robot)
+        self._top_m_s = max(wheel.top_m_s for wheel in robot.wheels)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """Look soon when a command begins or ends, a state is confirmed, or wheels are driven."""
@@ -286,7 +283,7 @@ class Odometry:
         elif self._rigid():
             self.reckoned = self.reckoned._replace(shape="contradicts")
         self._shapes.append(self.reckoned.shape)
-        fits = self._clear(numbers) and all(each == "fits" for each in self._shapes)
+        fits = self._clear() and all(each == "fits" for each in self._shapes)
         seen = all(part.diameter >= 0 for part in robot.body.parts)
         barred = frozenset[str]() if fits or not seen else robot.words_behind
         word = self._detector.look(now_s, places_m, travel, barred)
@@ -305,11 +302,10 @@ class Odometry:
         unsure = self._detector.due in barred or any(map(isnan, self.reckoned.places_m))
         if begins or unsure:
             return LOOK_EVERY_S
-        top_m_s = max(wheel.top_m_s for wheel in self._robot.wheels)
-        rest_s = self._ahead.wait_s(self.reckoned.places_m, top_m_s) if travel else inf
-        return max(LOOK_EVERY_S, min(rest_s, self._detector.wait_s(top_m_s)))
+        rest_s = self._ahead.wait_s(self.reckoned.places_m, self._top_m_s) if travel else inf
+        return max(LOOK_EVERY_S, min(rest_s, self._detector.wait_s(self._top_m_s)))
 
-    def _clear(self, numbers: Sequence[float]) -> bool:
+    def _clear(self) -> bool:
         """Return whether the robot has rolled on for as long as a word asks since it was bent.
 
         Its wheels slip while it comes round a bend, so odometry may be far ahead by then. What is
@@ -318,7 +314,7 @@ class Odometry:
         at = self.reckoned
         assert at is not None, "the caller has just reckoned"
         held = len(at.spots) == len(self._robot.parts)
-        if held and not self._reckoner.straight(numbers, at.spots):
+        if held and not at.straight:
             self._bent_m = at.odometer_m
         return not abs(at.odometer_m - self._bent_m) < self._clear_m
 

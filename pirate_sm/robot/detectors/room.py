@@ -31,8 +31,9 @@ class _Tube(NamedTuple):
         piece = self.piece
         away_m, along_m = piece.nearest(point, -inf, inf)
         aside_m = away_m - piece.diameter_at(piece.arc_m + along_m) / 2 + wheel_m
-        beyond_m = max(self.least_m - along_m, along_m - self.most_m)
-        return hypot(max(aside_m, 0.0), beyond_m) if beyond_m > 0.0 else aside_m
+        if self.least_m <= along_m <= self.most_m:
+            return aside_m
+        return hypot(max(aside_m, 0.0), max(self.least_m - along_m, along_m - self.most_m))
 
 
 class _Edge(NamedTuple):
@@ -99,9 +100,10 @@ class Room:
         """
         nearest = inf
         for tube in self.tubes:
-            nearest = min(nearest, tube.outside_m(point, self.wheel_m))
-            if nearest <= near_m:
-                return max(nearest, 0.0)
+            outside_m = tube.outside_m(point, self.wheel_m)
+            if outside_m <= near_m:
+                return max(outside_m, 0.0)
+            nearest = min(nearest, outside_m)
         for edge in self.edges:
             nearest = min(nearest, edge.outside_m(point, self.wheel_m))
         return max(nearest, 0.0)

@@ -26,6 +26,8 @@ class RouteReport:
     def __init__(self, route: Route, valid_for_s: float) -> None:
         self._route = route
         self._valid_for_s = valid_for_s
+        ends_m = [joint.arc_m + joint.behind_m for joint in route.joints]
+        self._changes_m = *ends_m, *(piece.arc_m for piece in route.pieces)
         self._said: tuple[float, RouteJoint | None, EnvironmentReport] | None = None
 
     def look(
@@ -43,20 +45,19 @@ class RouteReport:
             return None
         joints, first_m, last_m = self._route.joints, max(places_m), min(places_m)
         joint = next((each for each in joints if each.arc_m + each.behind_m > last_m), None)
-        found = self._report(joint, first_m, front_roll_rad)
         if self._said is not None and now_s - self._said[0] < REPEAT_SHARE * self._valid_for_s:
             _, known, before = self._said
-            same = (joint, found.run) == (known, before.run)
-            if same and abs(found.arc_m - before.arc_m) < _EVERY_M:
+            same = joint is known and self._route.piece_at(first_m).run == before.run
+            if same and abs(first_m - before.arc_m) < _EVERY_M:
                 return None
+        found = self._report(joint, first_m, front_roll_rad)
         self._said = now_s, joint, found
         return found
 
     def wait_s(self, places_m: Sequence[float], top_m_s: float) -> float:
         """Return how long no wheel can reach another joint or pipe; arguments as for the others."""
-        ends = [joint.arc_m + joint.behind_m for joint in self._route.joints]
-        ends += [piece.arc_m for piece in self._route.pieces]
-        return min(abs(end - at) for end in ends for at in (max(places_m), min(places_m))) / top_m_s
+        ends_m = max(places_m), min(places_m)
+        return min([abs(at - end) for at in self._changes_m for end in ends_m]) / top_m_s
 
     def _report(
         self, joint: RouteJoint | None, first_m: float, front_roll_rad: float

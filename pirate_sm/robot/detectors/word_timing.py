@@ -84,7 +84,7 @@ class Tracker:
         seen = self._of(wheel)
         slope = self._slope(seen) if self._driven else 0.0
         place_m = _median([place + slope * (latest_s - at) for at, place in seen])
-        if not self._driven:
+        if not self._driven or latest_s == self._now_s:
             return place_m
         return place_m + self._speed() * (self._now_s - latest_s)
 
@@ -234,6 +234,13 @@ class WordDetector:
         tracker: Tracker | None = None,
     ) -> None:
         self._words = tuple(zip(words, errors_m, strict=True))[::-1]
+        self._points = [  # for travel backward and forward
+            tuple((point.wheel, error - point.passed_m) for point, error in points)
+            for points in (
+                [(word.backward, error) for word, error in self._words],
+                [(word.forward, error) for word, error in self._words],
+            )
+        ]
         self._bends = tuple(bends)
         self._repeater = Repeater(valid_for_s)
         self._tracker = tracker or Tracker()
@@ -293,7 +300,7 @@ class WordDetector:
             self._tracker.seen,
             driven,
             direction,
-            self._points(direction),
+            self._points[direction > 0],
             self._bends,
             _SLACK_M,
             _FORGOTTEN_M,
@@ -324,10 +331,6 @@ class WordDetector:
             for passed_m in ways_m:
                 yield from (passed_m, passed_m - _FORGOTTEN_M)
 
-    def _points(self, direction: int) -> tuple[tuple[int, float], ...]:
-        points = [(word.forward if direction > 0 else word.backward, e) for word, e in self._words]
-        return tuple((point.wheel, error - point.passed_m) for point, error in points)
-
     def relieve(self, looks: Sequence[Look], said_s: float | None) -> None:
         """Take looks that others have made; at most the word was repeated, last at ``said_s``."""
         if said_s is not None:
@@ -343,7 +346,7 @@ class WordDetector:
 
     def _passed_m(self) -> list[list[float]]:
         """Return, by bend and word, how far its wheel is beyond the point where it begins, m."""
-        points = self._points(self._direction)
+        points = self._points[self._direction > 0]
         places_m = [self._tracker.place(wheel) for wheel, _ in points]
         return [
             [

@@ -88,7 +88,7 @@ class BodySpec(Chain):
 
     def angles(self, numbers: Sequence[float]) -> tuple[float, ...]:
         """Return the angle at each wheel, rad: 0 without a joint, NaN where it is unknown."""
-        return tuple(numbers[joint] if joint >= 0 else 0.0 for joint in self.joints)
+        return tuple([numbers[joint] if joint >= 0 else 0.0 for joint in self.joints])
 
     def heading_in_pipe(self, numbers: Sequence[float], part: int, link: int) -> float:
         """Return a link's heading relative to the pipe axis at a clamped part, rad.

@@ -157,16 +157,16 @@ def test_belief_in_a_passed_bend_ends_when_the_shape_contradicts_it_for_long(
     ],
 )
 def test_belief_that_a_bend_is_passed_needs_a_way_that_was_rolled_straight(
-    course: list[tuple[bool | None, float]], clear: list[bool], monkeypatch: pytest.MonkeyPatch
+    course: list[tuple[bool | None, float]], clear: list[bool]
 ) -> None:
     """Wheels slip round the bend: odometry may be ahead when the robot has just come straight."""
     companion, found = odometry(), []
     both = {0: AnchorSpot(2.0, 0.0), 1: AnchorSpot(1.8, 0.0)}
     for straight, odometer_m in course:  # None: one part alone holds, and the other may be anywhere
         spots = both if straight is not None else {0: both[0]}
-        monkeypatch.setattr(companion._reckoner, "straight", lambda *_, known=straight: known)
-        companion.reckoned = Reckoned((), NOWHERE, odometer_m, 0, spots, 0.0, "fits")
-        found.append(companion._clear([]))
+        at = (), NOWHERE, odometer_m, 0, spots, 0.0
+        companion.reckoned = Reckoned(*at, "fits", straight=bool(straight))
+        found.append(companion._clear())
 
     assert found == clear
 
@@ -304,7 +304,7 @@ def test_a_robot_that_counts_from_zero_again_has_to_roll_on_only_for_the_rest(
     companion.restart(prepared.loaded.robot)
     companion.look(run.state, end_s + 1.0)
 
-    assert companion._clear(run.state.sensing.numbers) == said
+    assert companion._clear() == said
 
 
 class Reckoning:
@@ -342,9 +342,6 @@ class Reckoning:
         self.asked.append(("odometer", *given))
         return self.way_m
 
-    def straight(self, *_: Any) -> bool:
-        return self.is_straight
-
     def lies(self, numbers: Sequence[float], part: int, middle_m: float) -> bool:
         return part in self.lying
 
@@ -356,7 +353,8 @@ class Reckoning:
         places_m = tuple(self.front_m - 0.05 * wheel for wheel in range(6))
         points = tuple((place, 0.01, 0.02) for place in places_m)
         chain = ChainInSpace(points, DRAWING, DRAWING)
-        return Reckoned(places_m, chain, self.way_m, 1, dict(self.spots), 0.0, self.shape)
+        at = places_m, chain, self.way_m, 1, dict(self.spots), 0.0
+        return Reckoned(*at, self.shape, self.is_straight)
 
     def shows(self, now_s: float, **signals: float) -> list[Event]:
         """Look with these signals, and return what is said."""
