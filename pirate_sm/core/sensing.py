@@ -11,7 +11,6 @@ from pirate_sm.core._engine.gliding.quiet_frames import (
     SameDuty,
     Step,
     Watch,
-    sensing_after,
 )
 from pirate_sm.core._engine.recorded_robot import RobotListener, RobotLook
 from pirate_sm.core._engine.records import Numbers

@@ -235,8 +235,7 @@ class SimulatedRobot:
         # The surroundings have a clock of their own, which goes on while the controller restarts.
         around_s = min(self._changes.due_s(self._time_s), self._obstacles.due_s) - self._time_s
         around_s += now_s - self._cycle_s
-        defects = (each.glides_until_s(now_s) for each in self._effects)
-        until_s = min(around_s, min(defects, default=math.inf))
+        until_s = min([around_s, *(each.glides_until_s(now_s) for each in self._effects)])
         # Each defect acts on what the one before it shows; here all act on what is measured.
         return until_s if len(self._effects) < 2 or not self.forced(now_s) else -math.inf
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from pirate_sm.core._engine import inputs
 from pirate_sm.core._engine.consequences import settle
 from pirate_sm.core._engine.gliding.lookout import Lookout
-from pirate_sm.core._engine.gliding.quiet_frames import Glided, Watch, after_glide
+from pirate_sm.core._engine.gliding.quiet_frames import Glided, Watch
 from pirate_sm.core._engine.mission.program import Program, signals_read, slip_watched
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
@@ -201,7 +201,7 @@ class Engine:
 
         It is the state that :meth:`step` returns after the same frames, which have no effects.
         """
-        return after_glide(state, after)
+        return state._replace(**after._asdict())
 
     def signals(self, state: EngineState) -> dict[str, float]:
         """Return all signals by name, in SI units; NaN is unknown."""

@@ -13,7 +13,7 @@ from pirate_sm.core.effects import WakeAt
 from pirate_sm.core.events import DetectorWord, FrameBlock, SensorFrame, Tick, WordWatch
 from pirate_sm.core.expressions import DEEPEST
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.core.sensing import Glide, MotorRequest, Step, Watch, ask
+from pirate_sm.core.sensing import Glide, Glided, MotorRequest, Step, Watch, ask
 from pirate_sm.core.simulation import Trail
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding.columns import TICK_COLUMNS, U_REPORTS
@@ -80,7 +80,8 @@ class Glider:
         self._looks = LookTables(len(simulated.arcs))
         self._around: Floats = np.full(1 + len(simulated.leeway), cycle_s)
         self._turns = _turn_table(robot, turns)
-        self._reports_after: list[int] = self._turns[:, U_REPORTS].tolist()
+        ends: list[int] = self._turns[:, U_REPORTS].tolist() * 2
+        self._to_report: list[int] = [ends.index(1, at + 1) - at for at in range(len(self._turns))]
         self._forced: Floats = np.full(len(electronics.counts), nan)
         self._shown: dict[int, float] = {}
         self._clock: Floats = np.zeros(6)
@@ -124,9 +125,8 @@ class Glider:
         self._signals.take(watch, asked)
         self._survey.take(watch)
         self._force(now_s)
-        sensing = watch.sensing
-        self._clock[:3] = now_s, cycles, simulated.time_s
-        self._clock[3:] = sensing.checked_s, watch.listening_s, watch.word_until_s
+        times = watch.sensing.checked_s, watch.listening_s, watch.word_until_s
+        self._clock[:] = now_s, cycles, simulated.time_s, *times
         self._around[1:] = simulated.leeway
         self._met[:] = 0
         physics.glide(*self._arguments(physics))
@@ -159,11 +159,7 @@ class Glider:
 
     def _next_frame_s(self, cycles: int) -> float:
         """Return when the next board reports."""
-        turns = len(self._reports_after)
-        for cycle in range(cycles + 1, cycles + 1 + turns):
-            if self._reports_after[cycle % turns]:
-                return cycle * self._cycle_s
-        return inf
+        return (cycles + self._to_report[cycles % len(self._to_report)]) * self._cycle_s
 
     def _passed(
         self, watch: Watch, asked: MotorRequest, words: WordWatch | None, before: int
@@ -181,9 +177,9 @@ class Glider:
         wake_s = next((row[1] for row in reversed(rows) if row[1] < inf), watch.wake_s)
         after = None
         if count or rows:
-            times = checked_s, wake_s, word_s
             asked = asked if count else watch.sensing.asked
-            after = self._signals.given(asked, *times, self._survey.given())
+            sensing = self._signals.given(watch.sensing, asked, checked_s)
+            after = Glided(sensing, self._survey.given(), wake_s, word_s)
         said_s = next((row[0] for row in reversed(rows) if row[1] == inf), None)
         steps = [_step(frames, row, words) for row in rows]
         looks, due_s = self._looks.made()

@@ -13,8 +13,8 @@ from pirate_sm.core.expressions import DEEPEST, Code, depth_of
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.sensing import (
     Condition,
-    Glided,
     MotorRequest,
+    Numbers,
     Row,
     SameDuty,
     Sensing,
@@ -22,7 +22,6 @@ from pirate_sm.core.sensing import (
     Watch,
     environment,
     nothing_known,
-    sensing_after,
     signal_table,
     surveyor,
 )
@@ -163,9 +162,10 @@ class SignalTables:
         at = self._layout = table.layout
         self.signals: Floats = np.array(table.cells(nothing_known(robot)))
         ends = at.heard, at.shares, at.angles, at.motion, at.loss
-        parts = np.split(self.signals, ends)
-        self._numbers, self._heard_s, self._shares, self._angles, self._motion = parts[:5]
-        self._of: Sensing | None = None
+        self._parts: list[Floats] = np.split(self.signals, ends)[:5]
+        self._known: tuple[Numbers, ...] = ((),) * 5
+        self._sent: Numbers = ()
+        self._out: frozenset[int] = frozenset()
 
     def take(self, watch: Watch, asked: MotorRequest) -> None:
         """Take the signals in; what has come from here is there already.
@@ -174,52 +174,43 @@ class SignalTables:
             watch: With the signals and the setpoints.
             asked: What the motors have been asked when the next frame comes.
         """
-        sensing, before, at = watch.sensing, self._of, self._layout
-        if before is None or sensing.numbers is not before.numbers:
-            self._numbers[:] = sensing.numbers
-        if before is None or sensing.heard_s is not before.heard_s:
-            self._heard_s[:] = sensing.heard_s
-        if before is None or sensing.shares is not before.shares:
-            self._shares[:] = sensing.shares
-        if before is None or sensing.angles is not before.angles:
-            self._angles[:] = sensing.angles
-        if before is None or sensing.motion is not before.motion:
-            self._motion[:] = sensing.motion
-        self.signals[at.loss : at.out] = (
-            *(sensing.loss, *watch.setpoints, *watch.latest),
-            *(asked.since_s if asked.setpoints else inf, asked.driving),
-        )
-        self._of = sensing
+        sensing, at, cells = watch.sensing, self._layout, self.signals
+        known = sensing.numbers, sensing.heard_s, sensing.shares, sensing.angles, sensing.motion
+        for part, now, before in zip(self._parts, known, self._known, strict=True):
+            if now is not before:
+                part[:] = now
+        self._known = known
+        sent = *watch.setpoints, *watch.latest
+        if sent != self._sent:
+            cells[at.force : at.asked] = self._sent = sent
+        if sensing.distance.out != self._out:
+            self._out = sensing.distance.out
+            cells[at.out : at.constants] = [
+                place in self._out for place in range(at.constants - at.out)
+            ]
+        cells[at.loss], cells[at.driving] = sensing.loss, asked.driving
+        cells[at.asked] = asked.since_s if asked.setpoints else inf
 
-    def given(
-        self,
-        asked: MotorRequest,
-        checked_s: float,
-        wake_s: float,
-        word_s: float,
-        surveyed: Surveyed,
-    ) -> Glided:
+    def given(self, before: Sensing, asked: MotorRequest, checked_s: float) -> Sensing:
         """Return the signals as the engine has them.
 
         Args:
+            before: The signals that have been taken in.
             asked: What the motors have been asked.
             checked_s: When silent boards were looked for.
-            wake_s: When the engine asks to be called.
-            word_s: Until when the detector's word is valid.
-            surveyed: What the survey remembers.
         """
-        assert self._of is not None  # they have been taken in before
-        after = Glided(
-            tuple(self._numbers.tolist()),
-            tuple(self._heard_s.tolist()),
-            tuple(self._shares.tolist()),
-            tuple(self._angles.tolist()),
-            *(asked, float(self.signals[self._layout.loss]), tuple(self._motion.tolist())),
-            *(checked_s, wake_s, word_s),
-            surveyed,
+        self._known = tuple([tuple(part.tolist()) for part in self._parts])
+        numbers, heard_s, shares, angles, motion = self._known
+        return before._replace(
+            numbers=numbers,
+            heard_s=heard_s,
+            shares=shares,
+            angles=angles,
+            motion=motion,
+            loss=float(self.signals[self._layout.loss]),
+            asked=asked,
+            checked_s=checked_s,
         )
-        self._of = sensing_after(self._of, after)
-        return after
 
 
 # --- the survey ----------------------------------------------------------------------------------

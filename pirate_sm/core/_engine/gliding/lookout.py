@@ -239,7 +239,8 @@ class Lookout:
             self._last = state, found, deadline_s(self._moment, state)
         _, watch, deadline = self._last
         robot, surveyed, word = self._robot, state.surveyed, state.outside("detector")
-        settled = _is_settled(robot, surveyed, word)
+        in_bend = announced(robot, surveyed, word)
+        settled = _is_settled(robot, surveyed, word, in_bend=in_bend)
         alarm, listening = min(deadline, state.word_until_s), listening_s(robot, state.sensing)
         if not settled or state.wake_at_s != min(alarm, listening):
             # The engine must survey, or has not been told yet when it will be called.
@@ -249,7 +250,7 @@ class Lookout:
         return watch._replace(
             sensing=state.sensing,
             surveyed=surveyed,
-            in_bend=announced(robot, surveyed, word),
+            in_bend=in_bend,
             frames_until_s=min(watch.frames_until_s, survey_s, judged_s),
             wake_s=state.wake_at_s,
             deadline_s=deadline,
@@ -260,11 +261,10 @@ class Lookout:
         )
 
     def _judges(self, state: EngineState) -> bool:
-        """Return whether odometry is judged with each frame, or begins to be."""
+        """Return whether odometry begins to be judged with the next frame."""
         memory, latest = state.sensing.distance, state.robot.latest
-        if memory.out or memory.running:
-            return bool(memory.out) or memory.every_s < self._robot.link.period_s
-        return memory.every_s > 0 and any(latest[wheel.slot] for wheel in self._robot.wheels)
+        begins = memory.every_s > 0 and not memory.running
+        return begins and any(latest[wheel.slot] for wheel in self._robot.wheels)
 
     def _waits(self, mission: MissionState, body: RobotState) -> bool:
         """Return whether the mission waits for something that a frame brings, or for time."""
@@ -349,10 +349,10 @@ def _same(old: EngineState, new: EngineState) -> bool:
     )
 
 
-def _is_settled(robot: RobotSpec, surveyed: Surveyed, word: str | None) -> bool:
+def _is_settled(robot: RobotSpec, surveyed: Surveyed, word: str | None, *, in_bend: bool) -> bool:
     """Return whether a survey without a step of the diameter finds the same joint as the last."""
     before = surveyed.joint
-    around, joint = joint_around(robot, before, word, announced(robot, surveyed, word), nan)
+    around, joint = joint_around(robot, before, word, in_bend, nan)
     inside = surveyed.outside_until_s == -inf
     return inside and around == before and joint == surveyed.reported.joint
 

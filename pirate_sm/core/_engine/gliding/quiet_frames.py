@@ -10,8 +10,7 @@ from typing import NamedTuple, TypeAlias
 from pirate_sm.core._engine.records import Numbers, often_replaced
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.environment import Surveyed
-from pirate_sm.core._engine.sensing.known_signals import MotorRequest, Sensing
-from pirate_sm.core._engine.state import EngineState
+from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._expressions.compiler import Code
 from pirate_sm.core._model.effects import Effect
 from pirate_sm.core._model.events import Event, FrameBlock, SensorFrame
@@ -112,22 +111,17 @@ class Watch(NamedTuple):
 class Glided(NamedTuple):
     """What quiet frames change.
 
-    The first are as in :class:`~pirate_sm.core._engine.sensing.known_signals.Sensing`; ``surveyed``
-    is what the survey remembers, ``wake_at_s`` the next time at which something changes without an
-    event, ``word_until_s`` the end of the validity of the detector's word.
+    Attributes:
+        sensing: The signals.
+        surveyed: What the survey remembers.
+        wake_at_s: The next time at which something changes without an event.
+        word_until_s: The end of the validity of the detector's word.
     """
 
-    numbers: Numbers
-    heard_s: Numbers
-    shares: Numbers
-    angles: Numbers
-    asked: MotorRequest
-    loss: float
-    motion: Numbers
-    checked_s: float
+    sensing: Sensing
+    surveyed: Surveyed
     wake_at_s: float
     word_until_s: float
-    surveyed: Surveyed
 
 
 Step: TypeAlias = tuple[float, Event, tuple[Effect, ...]]
@@ -183,23 +177,3 @@ class Glide(NamedTuple):
 def _quiet(frames: FrameBlock, begin: int, end: int) -> Iterator[Step]:
     for at in range(begin, end):
         yield frames.times_s[at], frames.frame(at), ()
-
-
-def after_glide(state: EngineState, after: Glided) -> EngineState:
-    """Return the state with the signals after quiet frames."""
-    sensing = sensing_after(state.sensing, after)
-    return state._replace(
-        sensing=sensing,
-        surveyed=after.surveyed,
-        wake_at_s=after.wake_at_s,
-        word_until_s=after.word_until_s,
-    )
-
-
-def sensing_after(sensing: Sensing, after: Glided) -> Sensing:
-    """Return the signals after quiet frames."""
-    numbers, heard_s, shares, angles, asked, loss, motion, checked_s, *_ = after
-    return Sensing(
-        *(numbers, heard_s, checked_s, sensing.stale, shares, angles, sensing.records, asked),
-        *(loss, motion, *sensing[10:]),
-    )

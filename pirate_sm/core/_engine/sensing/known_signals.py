@@ -14,7 +14,7 @@ from math import inf, isnan, nan
 from statistics import fmean
 from typing import NamedTuple
 
-from pirate_sm.core._engine.records import Numbers
+from pirate_sm.core._engine.records import Numbers, often_replaced
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing import plausibility
 from pirate_sm.core._engine.sensing.board_spec import TractionSpec
@@ -203,6 +203,7 @@ class DistanceMemory(NamedTuple):
         return self.width_m + self.late_m
 
 
+@often_replaced
 class Sensing(NamedTuple):
     """Everything known from sensors.
 
