@@ -1,7 +1,7 @@
-"""What a robot's states write under the control in force, and whether its motors can do it.
+"""What a robot's states write under the active control, and whether its motors can do it.
 
 A control actuates the same states in another way: its wheels may be slower, its clamps weaker. The
-exploration and the course of a mission know which control is in force at each of their points.
+exploration and the course of a mission know which control is active at each of their points.
 """
 
 from __future__ import annotations
@@ -183,7 +183,7 @@ def too_strong(force: InForce, done: CriterionSpec, led: Sequence[Actuated]) -> 
     """Return why a joint cannot bear the required torque; empty if it can.
 
     Args:
-        force: What is in force.
+        force: What is active.
         done: The criterion.
         led: Where the command leads to; one that suffices is enough.
     """

@@ -81,7 +81,7 @@ class Abilities:
             wrong. Refusals are failures.
         faults: The target of each fault, by phase and code; other faults stop the mission.
         broken: Rules that can be violated, each with the command that violates it.
-        rules: Rules that are in force.
+        rules: Rules that are active.
         success: The shortest success; None if there is none.
         complete: Whether the exploration was complete.
     """

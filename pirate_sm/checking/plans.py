@@ -189,7 +189,7 @@ def way_to(robot: RobotSpec, program: Program, body: RobotState, wanted: Wanted)
 
     Args:
         robot: The robot.
-        program: The program whose safety rules are in force.
+        program: The program whose safety rules are active.
         body: The present state of the robot, with no command under way.
         wanted: The target states.
     """

@@ -16,7 +16,7 @@ _interrupts: list[int] = []
 
 
 def leave_to_the_system() -> None:
-    """Let Ctrl-C end the process at once; one that was ignored from the start stays ignored."""
+    """Let Ctrl-C end the process immediately; one that was ignored from the start stays ignored."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
 
@@ -24,7 +24,7 @@ def leave_to_the_system() -> None:
 def answer(*, moves: bool) -> None:
     """Say what Ctrl-C does from now on, if it has been left to the system so far.
 
-    A command that moves a robot is ended at once until it catches signals itself. A
+    A command that moves a robot is ended immediately until it catches signals itself. A
     KeyboardInterrupt would be lost in compiled code, as in Pydantic's while it checks a file: then
     the command would continue, or find faults that are not there.
 

@@ -122,7 +122,7 @@ class AllKeys:
 
 
 class Operator:
-    """A companion that asks a person the mission's questions and the operator's triggers.
+    """A companion that asks an operator the mission's questions and the operator's triggers.
 
     Attributes:
         question: The present question, empty if there is none.
@@ -153,7 +153,7 @@ class Operator:
 
     @property
     def listening(self) -> bool:
-        """Whether a person may answer."""
+        """Whether an operator may answer."""
         return bool(self.choices)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
@@ -248,11 +248,11 @@ def people_of(
         options: Its options.
         reader: The panel, opened.
         stack: Gives the keyboard back at its end.
-        on_terminal: Whether a person reads standard output.
+        on_terminal: Whether an operator reads standard output.
         live: Whether the run is redrawn in place, with its questions.
 
     Raises:
-        UsageError: The detector is a person who could neither see the run nor act.
+        UsageError: The detector is an operator who could neither see the run nor act.
     """
     shown = sys.stdout if on_terminal else sys.stderr
     present = shown is not None and shown.isatty() and can_type()

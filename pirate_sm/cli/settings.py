@@ -1,4 +1,4 @@
-"""The settings: defaults of options from a person's file and a project's, read when needed.
+"""The settings: defaults of options from a user's file and a project's, read when needed.
 
 ``docs/settings.md`` says what can be set, and who may set what.
 """
@@ -61,7 +61,7 @@ SETTINGS: Mapping[str, Setting] = {
 
 
 def expanded(path: str) -> str:
-    """Return a path with the person's home instead of `~`; as it is if nobody has that home."""
+    """Return a path with the user's home instead of `~`; as it is if nobody has that home."""
     try:
         return str(Path(path).expanduser()) if path.startswith("~") else path
     except RuntimeError:
@@ -69,7 +69,7 @@ def expanded(path: str) -> str:
 
 
 class SettingValue(NamedTuple):
-    """A setting in force.
+    """An active setting.
 
     Attributes:
         value: Its value; for ``trusted`` the folders.
@@ -107,7 +107,7 @@ RUNNING = frozenset({"run", "console"})
 
 
 def user_file() -> Path:
-    """Return the path of the person's own file, which may not exist."""
+    """Return the path of the user's own file, which may not exist."""
     from platformdirs import user_config_path
 
     return user_config_path("pirate_sm", appauthor=False) / USER_FILE

@@ -36,7 +36,7 @@ _PLAIN = {
 def read_settings(
     user: Path, project: Path | None
 ) -> tuple[dict[str, SettingValue], dict[str, SettingValue]]:
-    """Return the settings of the person's file and of the project's.
+    """Return the settings of the user's file and of the project's.
 
     Raises:
         LoadError: A file has faults; it lists those of both.

@@ -189,7 +189,7 @@ class Waiting:
         armed: Steps in which it began.
         fired: For each trigger the steps in which it ended the wait.
         at_once: For each trigger how often it fired at the very beginning of the wait.
-        actuated: In which configurations it began, each with the control in force.
+        actuated: In which configurations it began, each with the active control.
     """
 
     armed: list[int] = field(default_factory=list)

@@ -45,7 +45,7 @@ def kept_ranges(
     """Yield the ranges of the speed, of angles that boards keep, and of torques under loops.
 
     Args:
-        force: What is in force.
+        force: What is active.
         at: In which configurations and under which controls the wait begins.
         ways: Which ways the robot drives in these.
         speed: The signal of the robot's speed; empty without one.
@@ -173,7 +173,7 @@ class _Reach:
         return {each.configuration for each in self._actuated(wait)}
 
     def _actuated(self, wait: Wait) -> set[Actuated]:
-        """Return the same, each with the control in force."""
+        """Return the same, each with the active control."""
         waits = (book.waits[wait.phase, wait.place] for book in self._seen)
         return {each for waiting in waits for each in waiting.actuated}
 
@@ -219,7 +219,7 @@ class _Reach:
 
         Odometry is 0 there, and only commands have driven the robot since: in this wait, too, it
         drives only if the condition is false. What driving farther can only make false was true at
-        0, too, and what is true at 0 and ahead of it is so at once.
+        0, too, and what is true at 0 and ahead of it is so immediately.
         """
         node = condition.tree
         if trigger.held_s or self._odometry not in self._usual.free(node):

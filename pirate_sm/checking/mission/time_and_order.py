@@ -291,7 +291,7 @@ def _timeout(it: Do, loaded: LoadedMission) -> tuple[Severity, str]:
 
 
 def _never_done(it: Do, view: MissionView) -> tuple[Severity, str]:
-    """Return the same for a command that is never done under a control in force at its step.
+    """Return the same for a command that is never done under a control that is active at its step.
 
     That of the usual actuation is a fault of the robot and reported there.
     """
@@ -310,7 +310,7 @@ def _never_done(it: Do, view: MissionView) -> tuple[Severity, str]:
 
 
 def _led(it: Do, view: MissionView) -> set[Actuated]:
-    """Return where the step leads to, each with the control in force."""
+    """Return where the step leads to, each with the active control."""
     found = set()
     for book in view.explored:
         for number in book.visits[it.place].given if it.place in book.visits else ():

@@ -131,7 +131,7 @@ class Fit:
 
         Args:
             part: Index of the part.
-            at: What is in force.
+            at: What is active.
             diameter_m: Inner diameter of the pipe there.
             slope: Sine of the pipe's tilt there.
         """

@@ -81,8 +81,8 @@ class CoursePoint(NamedTuple):
     Attributes:
         at: Index of the next instruction.
         configuration: Index into the chart's table.
-        bent: Parts that have been bent into the present bend so far, in order.
-        control: Index of the control in force.
+        bent: Parts that have been bent into the current bend so far, in order.
+        control: Index of the active control.
         driven: Whether wheels have been driven so far.
         way: Direction in which they were driven last, 1 forward, -1 backward; 0 if unknown.
         passed: How many bends the robot has passed forward, less those backward; without the
@@ -106,7 +106,7 @@ class CoursePoint(NamedTuple):
 
     @property
     def actuated(self) -> Actuated:
-        """Return the configuration with the control in force."""
+        """Return the configuration with the active control."""
         return Actuated(self.configuration, self.control)
 
 
@@ -276,7 +276,7 @@ class _Follower:
         self.made.setdefault((bend, point.at, found.joint, roll), found)
 
     def bent(self, now: CoursePoint, after: int) -> tuple[tuple[int, ...], int]:
-        """Return the parts that are bent in the present bend, and how many bends are passed.
+        """Return the parts that are bent in the current bend, and how many bends are passed.
 
         Once all parts have been bent, a part that leads in the direction of the last drive bends
         into the next bend.

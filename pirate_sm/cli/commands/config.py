@@ -1,4 +1,4 @@
-"""`pirate config`: shows the settings in force and where each comes from."""
+"""`pirate config`: shows the active settings and where each comes from."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ _NEXT = 3
 
 
 class ResumeFacts(NamedTuple):
-    """What is known when a person is asked; ``dark_s`` is how long nobody has recorded, s."""
+    """What is known when an operator is asked; ``dark_s`` is how long nobody has recorded, s."""
 
     end: EndOfRun
     loaded: LoadedMission
@@ -214,7 +214,7 @@ def _check_there(prepared: Prepared, table: VerdictTable) -> None:
 
 
 def ask_place(loaded: LoadedMission, check: Callable[[], None]) -> float | None:
-    """Return where a person says that the first wheel is, in m; None if unsaid."""
+    """Return where an operator says that the first wheel is, in m; None if unsaid."""
     print(_PLACE, end="", file=sys.stderr, flush=True)
     try:
         said_m = read_length("the first wheel", answered_line(check).strip() or None)

@@ -51,7 +51,7 @@ class Manner(NamedTuple):
     """How a run is shown.
 
     Attributes:
-        on_terminal: Whether a person reads standard output.
+        on_terminal: Whether a user reads standard output.
         live: Whether it is redrawn in place.
         factor: Mission seconds per second of the wall clock.
     """
@@ -154,7 +154,7 @@ def _companions(prepared: Prepared, kept: Kept, people: People, *, yes: bool) ->
     operator, words, panel = people
     companions: list[Companion] = [*prepared.companions, *kept.companions]
     if panel or (operator and answers(prepared.loaded)):
-        # A person may decide differently the next time.
+        # A user may decide differently the next time.
         companions = [each for each in companions if not isinstance(each, LoopWatch)]
     if not prepared.attended:
         nobody = FirstChoice("--yes") if yes else FirstChoice("no terminal", "warning")
@@ -255,7 +255,7 @@ def watch_pipe(out: TextIO) -> PipeWatch | None:
 
 
 ON_A_TERMINAL = 4.0
-"""Mission seconds per second if a person probably watches."""
+"""Mission seconds per second if a user probably watches."""
 
 
 def run_mission(options: RunOptions) -> int:

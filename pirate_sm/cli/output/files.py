@@ -1,4 +1,4 @@
-"""Writes the output files and tables of a command, never over what a person has written."""
+"""Writes the output files and tables of a command, never over what a user has written."""
 
 from __future__ import annotations
 

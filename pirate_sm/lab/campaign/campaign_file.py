@@ -1,4 +1,4 @@
-"""Reads a campaign file, and makes a plan of all its cells; all faults are reported at once."""
+"""Reads a campaign file, and makes a plan of all its cells; all faults are reported together."""
 
 from __future__ import annotations
 

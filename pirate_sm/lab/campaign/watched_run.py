@@ -223,7 +223,7 @@ def _short_m(prepared: Prepared, name: str, travel: int, arcs_m: Sequence[float]
 
 
 def _slid_m(backend: Backend, truth: Callable[[], FullTruth], now_s: float) -> float:
-    """Return how far a wheel is carried when the last setpoints stay in force for a while."""
+    """Return how far a wheel is carried when the last setpoints stay active for a while."""
     places = []
     for for_s in (_SETTLING_S, _WATCHED_S):
         now_s = _go_on(backend, now_s, now_s + for_s)

@@ -137,7 +137,7 @@ def simulate(
                     )
                 else:
                     force[i], slope[i] = _creeping(slip, normals[tick, i], wheels[i])
-                # The share of what the wheel gains in this step that reaches the robot at once.
+                # The share of what the wheel gains in this step that reaches the robot immediately.
                 share = slope[i] * step_s / (rotor + slope[i] * step_s)
                 pull += force[i] + share * (motor[i] - force[i])
                 stiff += share * rotor

@@ -38,7 +38,7 @@ from pirate_sm.simulation.electronics import scale_of
 
 
 _SETTLED_S = 0.3
-"""How long after a setpoint has changed it is surely in force."""
+"""How long after a setpoint has changed it is surely active."""
 
 _UNEVEN = 0.2
 _LONGEST_S = 0.5
@@ -141,7 +141,7 @@ def _signals(profile: Profile, slot: Slot) -> tuple[str, str, float] | None:
 
 
 def _duties(setpoints: Columns, slot: str, times: Floats) -> Floats:
-    """Return the duty in force at each time; NaN shortly after it has changed."""
+    """Return the active duty at each time; NaN shortly after it has changed."""
     sent, values = setpoints["time_s"], setpoints[slot]
     changed = np.concatenate([[True], np.diff(values) != 0])
     sent, values = sent[changed], values[changed]

@@ -1,4 +1,4 @@
-"""Many environments that take their steps at once, on all processors."""
+"""Many environments that take their steps together, on all processors."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ class RemoteShard:
         there.close()
 
     def send(self, method: str, *arguments: object) -> None:
-        """Ask for a method, which begins at once.
+        """Ask for a method, which begins immediately.
 
         Raises:
             BackendError: The process has ended.
@@ -245,7 +245,7 @@ class InPipes(gymnasium.vector.VectorEnv[Observation, NDArray[np.int64], NDArray
     def step(
         self, actions: NDArray[np.int64]
     ) -> tuple[Observation, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
-        """Take a step in each environment, all at once."""
+        """Take a step in each environment, all together."""
         given = np.asarray(actions)
         if given.shape != (self.num_envs,):
             raise UsageError(f"expected {self.num_envs} actions, got the shape {given.shape}")

@@ -124,7 +124,7 @@ class Map:
         pitch_rad: Pitch of the leg in which it began; NaN if it was never felt.
         roll_rad: Roll of the robot's plane against the horizontal there.
         notes: What could not be mapped, in sentences.
-        seen: What a person has said of places, in the order of the run.
+        seen: What an operator has said of places, in the order of the run.
     """
 
     legs: list[Leg] = field(default_factory=lambda: [Leg()])

@@ -13,7 +13,7 @@ moves by what the odometer counts. When another part clamps, the joint angles sa
 Where the detector's words tell of a joint, they decide its places, in the leg behind and in the leg
 ahead: so nothing that happens in between can make a leg longer or shorter.
 
-Neglected: slip of all wheels of both parts at once; motion of an anchor that no odometer sees.
+Neglected: slip of all wheels of both parts together; motion of an anchor that no odometer sees.
 """
 
 from __future__ import annotations
@@ -415,7 +415,7 @@ def mapped(recording: Recording) -> Map:
     """Return the map of the pipe that a robot has driven through.
 
     Of the recording it reads the robot's files, the frames of its boards, the detector's words, its
-    states and its setpoints, and quotes what a person has said of places; neither truth, nor the
+    states and its setpoints, and quotes what an operator has said of places; neither truth, nor the
     pipe's file, nor reports from outside. It ends at the first gap of a repaired recording, as the
     robot may have moved in it.
 
@@ -442,7 +442,7 @@ def mapped(recording: Recording) -> Map:
 
 
 def _overheard(recording: Recording, seen: list[str]) -> Iterator[RecordedStep]:
-    """Yield the steps of the recording up to a gap; note what a person says in them."""
+    """Yield the steps of the recording up to a gap; note what an operator says in them."""
     after = min((gap.step for gap in recording.gaps), default=inf)
     for step in takewhile(lambda each: each.number < after, recording.steps()):
         if isinstance(step.event, Observation):

@@ -29,7 +29,7 @@ SIGNALS = "signals"
 """The table of the signals, one row for each frame."""
 
 STATES, CONTROL = "states", "control"
-"""The table of the robot's states, one row for each change, and its column of the control in force,
+"""The table of the robot's states, one row for each change, and its column of the active control,
 as missions write it."""
 
 PLACES, KNOWN = "places", "known"
@@ -92,7 +92,7 @@ def rows_of(robot: RobotSpec, again: Iterable[Rerun], origin_s: float = 0.0) -> 
 
 
 class _Actuated:
-    """The states of a robot and the control in force, and whether either has changed."""
+    """The states of a robot and the active control, and whether either has changed."""
 
     def __init__(self, robot: RobotSpec) -> None:
         self._robot = robot

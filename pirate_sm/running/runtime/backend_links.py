@@ -25,7 +25,7 @@ class Holder:
     """Passes the safe array to the backend at every turn, to be sent should this process die.
 
     Args:
-        hold: Receives the present safe array and the slots that position loops drive.
+        hold: Receives the current safe array and the slots that position loops drive.
     """
 
     due_s = inf
@@ -41,7 +41,7 @@ class Holder:
         self._engine, self._state = engine, state
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Pass on the present safe array, and the slots that position loops drive."""
+        """Pass on the current safe array, and the slots that position loops drive."""
         state = self._state()
         if self._engine is not None and state is not None:
             self._hold(self._engine.safe_values(state), self._engine.seeking(state))

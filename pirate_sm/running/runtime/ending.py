@@ -42,7 +42,7 @@ class StopRequests:
 
     Attributes:
         stop: The first request.
-        urgent: Whether a person has asked again, so that the engine's safe stop takes too long.
+        urgent: Whether an operator has asked again, so that the engine's safe stop takes too long.
     """
 
     def __init__(self) -> None:

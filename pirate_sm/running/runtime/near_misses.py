@@ -84,7 +84,7 @@ class RuleMargin:
         return least, sentence() if 0 < least < 1 else ""
 
     def _now(self, numbers: Numbers, words: Words) -> tuple[float, Callable[[], str]]:
-        """Return the present share of the comparison that is farthest from its limit."""
+        """Return the current share of the comparison that is farthest from its limit."""
         least, sentence = 1.0, str
         for each in self._limits:
             value, limit = each.value.evaluate(numbers, words), each.limit.evaluate(numbers, words)

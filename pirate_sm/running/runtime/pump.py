@@ -71,7 +71,7 @@ class Tap(Protocol):
         """Return when all that was received is on the disk, or soon if that takes too long."""
 
     def take_glide(self, glide: Glide) -> None:
-        """Receive the steps that were taken at once, and where the robot was at each."""
+        """Receive the steps that were taken together, and where the robot was at each."""
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Receive the effects of actions past the engine."""
@@ -159,7 +159,7 @@ class Pump:
         now_s: Mission time, s.
         ended: The effect that ended the run; None before.
         fault: Code of the fault that ended the mission; empty if none.
-        listening: Whether a companion waits for a person, so that time must not run ahead.
+        listening: Whether a companion waits for an operator, so that time must not run ahead.
         aborting: Whether the mission has been aborted; companions are then ignored.
         open: Whether the backend can still be used.
     """
@@ -444,7 +444,7 @@ class Pump:
         return None
 
     def _plan(self) -> None:
-        """Find out until when time may run, and whether a companion waits for a person."""
+        """Find out until when time may run, and whether a companion waits for an operator."""
         until_s = self._wake_s
         if not self.aborting:
             listening = False

@@ -42,7 +42,7 @@ class Answered(Log):
 
 
 class FirstChoice:
-    """Answers every question at once with the expected answer, because nobody can be asked.
+    """Answers every question immediately with the expected answer, because nobody can be asked.
 
     Args:
         why: Why nobody can be asked, for a log line with each answer. Empty: no log lines.

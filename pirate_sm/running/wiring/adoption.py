@@ -137,7 +137,7 @@ def adopt(prepared: Prepared, stands: Stands, table: VerdictTable) -> tuple[Prep
     """Hold the robot as the sensors show it; return the run that begins there.
 
     The array that is sent stops all wheels and gives held parts the duties of their states.
-    Everything stays unconfirmed until the sensors show it with that array in force.
+    Everything stays unconfirmed until the sensors show it with that array active.
 
     Raises:
         BackendError: The robot has not confirmed the array.

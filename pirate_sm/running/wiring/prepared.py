@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 class PutBack(NamedTuple):
-    """How a simulated robot stood when a recording was cut off.
+    """The pose of a simulated robot when a recording was cut off.
 
     Attributes:
         places_m: Centre of each wheel.
@@ -118,7 +118,7 @@ class Equipment:
         backend: The backend.
         loaded: The mission, if the backend changes it (a robot's zeros); None: as it was loaded.
         companions: The companions that this backend needs.
-        notices: What a person must know before the run.
+        notices: What an operator must know before the run.
         usual_detector: The default detector; None: this backend takes no detector.
         places: True positions of bends and wheels along the pipe, for a detector; None if unknown.
         truth: Returns the robot's true state, on backends that know it.
@@ -128,8 +128,8 @@ class Equipment:
             put it back after a crash, for frequent calls.
         link: Returns the state of the link, if there is one.
         open_link: Examines the robot on that link.
-        parting: Returns what a person must do after the run; empty if nothing.
-        confirmation: What a person must confirm before anything moves; empty if nothing.
+        parting: Returns what an operator must do after the run; empty if nothing.
+        confirmation: What an operator must confirm before anything moves; empty if nothing.
         attended: Whether a companion answers the mission's questions.
         adapted: Returns another mission for the same robot, with the backend's changes (a robot's
             zeros).
@@ -199,5 +199,5 @@ class Prepared(Equipment):
 
     @property
     def others_words(self) -> str:
-        """Name of the detector if it speaks for itself; empty if a person says its words."""
+        """Name of the detector if it speaks for itself; empty if an operator says its words."""
         return "" if self.detector in ("operator", "none") else self.detector

@@ -171,7 +171,7 @@ def _placed(recording: Recording, loaded: LoadedMission) -> Placed | None:
 
 
 _MOST_STOPS = 3
-"""How often a stop is written and the robot looked at again before a person must help."""
+"""How often a stop is written and the robot looked at again before an operator must help."""
 
 
 @dataclass(frozen=True)
@@ -215,12 +215,12 @@ class Offer(NamedTuple):
     Attributes:
         table: The verdicts about the configuration that counts; None if none does.
         refusals: Why it cannot resume; empty if it can.
-        unknown: What the mission depends on and nobody has seen; a person must agree to it.
+        unknown: What the mission depends on and nobody has seen; an operator must agree to it.
         it: What it resumes with; None if it cannot.
         forecast: What can become of it, if that was explored.
-        changed: Which files are others than recorded, and what the recording has lost; a person
+        changed: Which files are others than recorded, and what the recording has lost; an operator
             must agree to that too.
-        unplaced: Why a person must say where the robot is before it resumes; empty if not.
+        unplaced: Why an operator must say where the robot is before it resumes; empty if not.
     """
 
     table: VerdictTable | None
@@ -308,7 +308,7 @@ def offer(prepared: Prepared, end: EndOfRun, seen: SeenRobot, said: Said) -> Off
     """Return what the run would resume with, or why it cannot.
 
     Raises:
-        UsageError: The operator has said states that the robot cannot have at once.
+        UsageError: The operator has said states that the robot cannot have together.
     """
     loaded, shows = prepared.loaded, seen.shows
     table = _said_table(prepared, end, seen, said.states) if said.states else shows.chosen

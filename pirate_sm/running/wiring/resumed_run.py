@@ -246,7 +246,7 @@ def _missing(header: RunHeader) -> tuple[str, ...]:
 
 
 def _place_of(file: RecordedFile) -> Path:
-    """Return where a file was when the run was recorded, seen from the present folder."""
+    """Return where a file was when the run was recorded, seen from the current folder."""
     inside = file.path.removeprefix("shipped:")
     return Path(inside) if inside == file.path else library.shipped() / inside
 
@@ -282,7 +282,7 @@ def _check_calibration(loaded: LoadedMission, header: RunHeader) -> None:
 
 
 def _put_back(end: EndOfRun, header: RunHeader) -> PutBack:
-    """Return how a simulated robot stood when the recording ends.
+    """Return the pose of a simulated robot when the recording ends.
 
     Raises:
         RecordingError: That was not recorded.

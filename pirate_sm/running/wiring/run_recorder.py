@@ -94,7 +94,7 @@ def samples_to_keep(prepared: Prepared, state: State) -> Look[PlacesSample | Pic
 
 
 def samples_of_trails(prepared: Prepared) -> LookBack[PlacesOfTrail] | None:
-    """Return a function that takes samples to keep, of steps that were taken at once.
+    """Return a function that takes samples to keep, of steps that were taken together.
 
     It is None if such samples need more than where the robot was.
     """

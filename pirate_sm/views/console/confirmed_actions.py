@@ -66,7 +66,7 @@ class ConfirmedActions(_Base):
         self.push_screen(dialog, answered)
 
     def _ask(self, question: str, yes: str, then: Callable[[], None]) -> None:
-        """Act once the operator has said yes; at once if there is no question."""
+        """Act once the operator has said yes; immediately if there is no question."""
         if question:
             self._open(Confirm(question, yes), lambda said: then() if said else None)
         else:

@@ -60,7 +60,7 @@ def last_line() -> Footer:
 _R = TypeVar("_R")
 
 READ_AFTER_S = 0.3
-"""A dialog is read no sooner after it was drawn than a person can react to it."""
+"""A dialog is read no sooner after it was drawn than an operator can react to it."""
 
 
 class Dialog(ModalScreen[_R]):

@@ -312,7 +312,7 @@ class Giver:
     # --- from the console's thread ------------------------------------------------------------
 
     def give(self, commands: Sequence[str], then: GoTo) -> None:
-        """Begin a series; abandon the present one."""
+        """Begin a series; abandon the current one."""
         with self._lock:
             self._due_s = -inf
             self.series = CommandSeries(tuple(commands), then)

@@ -98,7 +98,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         self.stop_now()
 
     def action_leave(self) -> None:
-        """Go to the safe state and leave; at the second request leave at once."""
+        """Go to the safe state and leave; at the second request leave immediately."""
         quitting = self.session.quitting
         if quitting.stop is not None:
             quitting.insist()

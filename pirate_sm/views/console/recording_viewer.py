@@ -340,7 +340,7 @@ class RecordingViewer(RobotApp):
         self.time_s = min(max(time_s, 0.0), self.reel.length_s)
         self.show()
 
-    # --- what a person wants -------------------------------------------------------------------
+    # --- what an operator wants -------------------------------------------------------------------
 
     def action_play(self, on: bool) -> None:
         """Play, from the start if at the end; or pause."""

@@ -53,7 +53,7 @@ class RunBridge:
     """An observer, watcher and companion of the runs of one session, one after the other.
 
     Attributes:
-        asked: Number of the operator's events in the present run.
+        asked: Number of the operator's events in the current run.
     """
 
     listening = False
@@ -108,7 +108,7 @@ class RunBridge:
 
     @property
     def due_s(self) -> float:
-        """When it is due: at once after a request of the operator."""
+        """When it is due: immediately after a request of the operator."""
         return -inf if self._waiting else self._due_s
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
@@ -163,7 +163,7 @@ SAFE_WITHIN_S = 5.0
 _LOOK_EVERY_S = 0.05
 
 _GONE = frozenset(BY_SIGNAL.values()) - {BY_SIGNAL[signal.SIGINT]}
-"""Requests after which nobody waits for the process to end by itself. Ctrl-C is a person's."""
+"""Requests after which nobody waits for the process to end by itself. Ctrl-C is an operator's."""
 
 _RESTORED = "\x1b[<u\x1b[?1000l\x1b[?1003l\x1b[?1006l\x1b[?2004l\x1b[?1004l\x1b[?1049l\x1b[?25h"
 """Ends what the console asks of a terminal: its keys, mouse, paste, focus and second screen."""
@@ -173,7 +173,7 @@ class LeaveRequests(StopRequests):
     """Requests to leave; signals make them too.
 
     Attributes:
-        gone: The first request made without a person at the terminal; None without one.
+        gone: The first request made without an operator at the terminal; None without one.
     """
 
     def __init__(self) -> None:
@@ -221,12 +221,12 @@ class Quitting(LeaveRequests):
         return self.run
 
     def ask(self, stop: Stop) -> None:
-        """End the present run through the engine's safe stop; no run follows."""
+        """End the current run through the engine's safe stop; no run follows."""
         super().ask(stop)
         self.run.ask(stop)
 
     def insist(self) -> None:
-        """End it at once, with the safe array sent past the engine."""
+        """End it immediately, with the safe array sent past the engine."""
         super().insist()
         self.run.insist()
 
@@ -265,7 +265,7 @@ class Watchdog:
 
 
 def ender() -> Callable[[int], None]:
-    """Return what ends this process at once and leaves its terminal as it is now."""
+    """Return what ends this process immediately and leaves its terminal as it is now."""
     terminal = sys.stdin.fileno()
     before: list[Any] = termios.tcgetattr(terminal)
     words = f"{_RESTORED}the console has ended before everything was closed: look at the robot\n"
@@ -292,7 +292,7 @@ LEFT = Stop("the console was left", 0)
 
 _SHORT_S = 1.0
 _MOST_SHORT = 3
-"""After this many consecutive runs that a fault ended at once, the session ends."""
+"""After this many consecutive runs that a fault ended immediately, the session ends."""
 
 
 Keep = Callable[[Prepared], AbstractContextManager[Kept]]
@@ -380,7 +380,7 @@ class OperatorSession:
         self.quitting.run.ask(BY_OPERATOR)
 
     def change(self, loaded: LoadedMission) -> None:
-        """End the present mission in the safe state and begin the other one, paused.
+        """End the current mission in the safe state and begin the other one, paused.
 
         Raises:
             UsageError: The mission is for another robot.

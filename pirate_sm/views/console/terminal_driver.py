@@ -122,7 +122,7 @@ class StopDriver(LinuxDriver):
     def run_input_thread(self) -> None:
         """Pass on what is typed until the app leaves; at the end of input, make it leave.
 
-        Textual's own loop takes the end of input for a pause in it, and reads it again at once.
+        Textual's own loop takes the end of input for a pause in it, and reads it again immediately.
         """
         parser, decoder = XTermParser(self._debug), getincrementaldecoder("utf-8")("replace")
         while not self.exit_event.is_set():

@@ -49,7 +49,7 @@ def wear(app: App[Any], name: Theme) -> None:
 
 
 def next_theme(app: App[Any]) -> None:
-    """Choose the theme after the present one, and say its name."""
+    """Choose the theme after the current one, and say its name."""
     names = list(THEMES)
     app.theme = names[(names.index(app.theme) + 1) % len(names)]  # type: ignore[arg-type]
     app.clear_notifications()

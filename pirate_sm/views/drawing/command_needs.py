@@ -114,7 +114,7 @@ def _moved(
 
 
 def _left(write: Write) -> tuple[str, float]:
-    """Return what is in force once its command is done: a value, a level, or a kept speed."""
+    """Return what is active once its command is done: a value, a level, or a kept speed."""
     left = write.how in ("set", "turn", "bear", "level")
     return (write.how, write.value) if left else ("set", 0.0)
 

@@ -241,7 +241,7 @@ class Sentence(NamedTuple):
 
     @property
     def before_s(self) -> float:
-        """Return the time just before: a failure may have stopped the robot at once."""
+        """Return the time just before: a failure may have stopped the robot immediately."""
         return max(0.0, self.at_s - _BEFORE_S)
 
 

@@ -42,7 +42,7 @@ _MOST_CAUSES = 3
 
 @dataclass(frozen=True)
 class About:
-    """Facts about a run besides its events.
+    """Facts about a run other than its events.
 
     Attributes:
         where: Its pipe and backend, in words.

@@ -14,7 +14,7 @@ PHASE, CONTROL, COMMANDS, WAITS = "phase", "control", "commands", "waits for"
 DETECTOR, OPERATOR = "detector", "operator"
 
 _LASTING = {"phase", "state", "unconfirmed", "word"}
-"""Spans of these kinds are left out if they are empty, because several can begin at once."""
+"""Spans of these kinds are left out if they are empty, because several can begin together."""
 
 
 class _Track:
@@ -93,7 +93,7 @@ class Timeline:
     def take(
         self, at_s: float, cause: object, effects: Sequence[fx.Effect], control: str = ""
     ) -> None:
-        """Take in the cause and the effects of one step, and the control in force after it.
+        """Take in the cause and the effects of one step, and the active control after it.
 
         The usual control has no name and no span.
         """

@@ -77,7 +77,7 @@ def briefly(snapshot: Snapshot, width: int) -> list[Text]:
 
 
 def _with_age(snapshot: Snapshot, signal: str, written: str) -> str:
-    """Return a value, marked and with its age where it is not that of the present moment."""
+    """Return a value, marked and with its age where it is not that of the current moment."""
     if snapshot.is_fresh(signal):
         return written
     return f"{STALE}{written} {ago(snapshot.age_s(signal))}".rstrip()

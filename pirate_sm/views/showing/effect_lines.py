@@ -56,7 +56,7 @@ class Teller:
         self._unconfirmed: tuple[str, ...] = ()
 
     def lines(self, effect: fx.Effect) -> list[EffectLine]:
-        """Return the lines about one effect; none where nothing has changed for a person."""
+        """Return the lines about one effect; none where nothing has changed for an operator."""
         if isinstance(effect, fx.StateChange):
             return self._state(effect)
         if isinstance(effect, fx.Setpoints):

@@ -1,4 +1,4 @@
-"""What a person reads of a run, panel by panel: snapshots in, styled lines out."""
+"""What an operator reads of a run, panel by panel: snapshots in, styled lines out."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def mode(snapshot: Snapshot) -> Flag:
     """Return who has the robot, in a word with a sign, and its style.
 
     The sign is a question mark while nothing is heard from the robot. Once a run has been stopped,
-    by a person or by its end, this says so until something is set in motion again.
+    by an operator or by its end, this says so until something is set in motion again.
     """
     word, style = _mode(snapshot)
     if snapshot.unheard_s:
@@ -180,7 +180,7 @@ def header(
 def states(snapshot: Snapshot, width: int) -> list[Text]:
     """Return the state of each region with its sign and age, contacts and words.
 
-    Also the control in force, unless it is the usual one.
+    Also the active control, unless it is the usual one.
     """
     state, robot = snapshot.state, snapshot.scene.robot
     if state is None:
@@ -282,7 +282,7 @@ def now(snapshot: Snapshot, width: int) -> list[Text]:
 
 
 def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
-    """Return the mission's phases around the present one: done, current, not yet."""
+    """Return the mission's phases around the current one: done, current, not yet."""
     program, state, story = snapshot.scene.loaded.program, snapshot.state, snapshot.story
     if not snapshot.scene.mission:
         return [line(("No mission is chosen.", MUTED)), line(("Press m for the list.", MUTED))]
@@ -290,7 +290,7 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
     begun = state is not None and (state.mission.begun or state.mission.pc != program.start)
     current = current if begun else story.stopped_in_phase or current
     names = program.phases
-    if len(names) > rows:  # those of missions that are called are left out, but for the present one
+    if len(names) > rows:  # those of missions that are called are left out, but for the current one
         names = tuple(each for each in names if current.startswith(each[: each.rfind("/") + 1]))
     at = names.index(current) if current in names else 0
     first = max(0, min(at - rows // 2, len(names) - rows))

@@ -49,7 +49,7 @@ class RobotPose(NamedTuple):
         joints: The joints of an unrolled route.
         dials: Where side A of each part points, in a round pipe.
         place: In words where on its route the first wheel is; empty unless that is unrolled.
-        live: Whether this is the present moment, not what was last heard of the robot.
+        live: Whether this is the current moment, not what was last heard of the robot.
     """
 
     wheels: tuple[Place, ...]

@@ -325,7 +325,7 @@ class Snapshot:
         return self.evidence[name].at_s if name in self.evidence else nan
 
     def is_fresh(self, signal: str) -> bool:
-        """Return whether a signal is that of the present moment."""
+        """Return whether a signal is that of the current moment."""
         age_s = self.age_s(signal)
         return self.live and not age_s > self.scene.robot.link.stale_after_s
 

@@ -98,8 +98,8 @@ class RunHeader:
         nominal: Whether commands ended after their nominal duration.
         detector: Name of the detector.
         options: The run's options, with the seed and whether the mission was checked.
-        parameters: Values in force, as messages write them.
-        zeros: Joint zeros in force, rad by signal.
+        parameters: Active values, as messages write them.
+        zeros: Active joint zeros, rad by signal.
         regions: The state machines, in the order of states in effects.
         boards: Names of channels by the number of the board.
         slots: Name and unit of each setpoint.

@@ -157,7 +157,7 @@ class WheelPlacing:
         self._angles = dict.fromkeys(self._joints, 0.0)
 
     def look(self, state: EngineState, now_s: float) -> tuple[Place, ...] | None:
-        """Return the present position of each wheel; None before its joints have values.
+        """Return the current position of each wheel; None before its joints have values.
 
         A picture needs an angle, so an unknown one is drawn with its last value.
         """

@@ -51,7 +51,7 @@ class Sample(NamedTuple):
 
 
 class PlacesOfTrail(NamedTuple):
-    """Samples of steps that were taken at once.
+    """Samples of steps that were taken together.
 
     Attributes:
         times_s: Their times, s.
@@ -72,7 +72,7 @@ class Pictured(NamedTuple):
 
 
 class NumberedFrames(NamedTuple):
-    """Frames that were taken at once, with other steps among them.
+    """Frames that were taken together, with other steps among them.
 
     Attributes:
         first: Number of the first step.
@@ -104,7 +104,7 @@ class Gathered:
         step: Number of the next step.
         frames: For each board the frames that fit it, one after the other in one list: number of
             the step, time in s, then a value for each channel.
-        blocks: Frames that were taken at once.
+        blocks: Frames that were taken together.
         inputs: All other inputs, each with its step and its time in s.
         told: The effects of steps and the samples of the run, in their order.
         states: States of the engine, each with the step before it and its time in s.
@@ -154,7 +154,7 @@ class Gathered:
         return step
 
     def add_glide(self, glide: Glide) -> int:
-        """Note steps that were taken at once; return the number of the next one."""
+        """Note steps that were taken together; return the number of the next one."""
         first, times_s, others = self.step, glide.frames.times_s, list[int]()
         for at_s, event, effects in glide.steps:
             step = first + bisect_right(times_s, at_s) + len(others)

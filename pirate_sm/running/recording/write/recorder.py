@@ -159,7 +159,7 @@ class Recorder:
             self._gathered.unlogged.append((step - 1, self._gathered.until_s or 0.0, waited_s))
 
     def take_glide(self, glide: Glide) -> None:
-        """Note the steps of the engine that were taken at once."""
+        """Note the steps of the engine that were taken together."""
         side, self._trail = self._side, glide.trail
         with self._gathering:
             step = self._gathered.add_glide(glide)

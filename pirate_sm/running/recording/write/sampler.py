@@ -74,7 +74,7 @@ class Sampler(Generic[Taken]):
 
         Args:
             look: Takes one sample.
-            look_back: Takes many at once; None if it needs more than where the robot was.
+            look_back: Takes many together; None if it needs more than where the robot was.
         """
         self._look, self._look_back = look, look_back
 
@@ -185,7 +185,7 @@ class SideChannel(Sampler[Sample]):
 
     Args:
         viewer: Makes the messages.
-        audience: Shows them at once.
+        audience: Shows them immediately.
     """
 
     def __init__(self, viewer: ViewerMessages, audience: Audience | None = None) -> None:
