@@ -33,6 +33,7 @@ TIMED = (
     "gamma_4_zero_jumps:by=-8deg,after=6s",
     "messages_lost:after=5s",
     "gamma_1_sticks:after=3s,lasting=2s,every=2s",
+    "board_24_silent:after=2s,lasting=50ms,every=300ms",
 )
 DETECTORS = ("sim", "odometry")
 PIPES_OF_PIRATE = ("mitre_90", "elbow_90", "mitre_90_round")

@@ -18,9 +18,9 @@ TOLERANCE_S = 2e-9
 B_BEGIN, B_MEASURED, B_END, B_ROW, B_VALUES = range(5)
 BOARD_COLUMNS = 5
 
-# Entries of `robot`; R_LOSS is the cell with the share of lost reports.
-R_PERIOD_S, R_SILENT_AFTER_S, R_LOSS, R_STALE_AFTER_S, R_LISTEN_EVERY_S = range(5)
-ROBOT_ENTRIES = 5
+# Entries of `robot`: the period of reports, how long a board may be silent before anything follows
+# from it, how often silent boards are looked for, the cell with the share of lost reports.
+R_PERIOD_S, R_SILENT_S, R_LISTEN_EVERY_S, R_LOSS = range(4)
 
 # Columns of `conditions`: the first instruction, that after the last, whether it holds, the boards.
 K_BEGIN, K_END, K_HOLDS, K_BOARDS = range(4)

@@ -34,15 +34,10 @@ def may_listen(
         return False
     if now_s >= watch[col.A_ALARM_S] - col.TOLERANCE_S:
         return False
-    newest_s = heard_s[0]
+    oldest_s = now_s
     for at_s in heard_s:
-        newest_s = max(newest_s, at_s)
-        if (
-            at_s <= now_s - robot[col.R_STALE_AFTER_S]
-            or at_s <= now_s - robot[col.R_SILENT_AFTER_S]
-        ):
-            return False
-    return bool(newest_s > now_s - robot[col.R_SILENT_AFTER_S] / 2)
+        oldest_s = min(oldest_s, at_s)
+    return bool(oldest_s > now_s - robot[col.R_SILENT_S])
 
 
 @compiled
@@ -66,10 +61,6 @@ def listen(
 
 
 # --- frames --------------------------------------------------------------------------------------
-
-
-_IN_TIME = 1.5
-"""Periods within which a board must report, else reports have been lost."""
 
 
 @compiled
@@ -156,7 +147,7 @@ def take_frame(
     listens = now_s >= clock[col.T_LISTENING_S]
     due_s = watch[col.A_ALARM_S] if listens else min(watch[col.A_ALARM_S], clock[col.T_LISTENING_S])
     deadline_s = min(watch[col.A_FRAMES_S], due_s - col.TOLERANCE_S)
-    if now_s >= deadline_s or elapsed_s > _IN_TIME * robot[col.R_PERIOD_S]:
+    if now_s >= deadline_s:
         return False
     board = boards[position]
     _copy(signals, fresh)

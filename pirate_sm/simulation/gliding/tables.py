@@ -119,7 +119,9 @@ def robot_tables(robot: RobotSpec, reporting: Sequence[BoardChannels]) -> RobotT
     specs = sorted(robot.boards.values(), key=lambda each: each.position)
     if any(channels[each.id].last - channels[each.id].first < each.length for each in specs):
         return None
-    table = signal_table(robot)
+    table, link = signal_table(robot), robot.link
+    silent_s = min(link.stale_after_s, link.silent_after_s)
+    numbers = link.period_s, silent_s, link.listen_every_s, table.layout.loss
     rows: list[Row] = []
     boards = []
     for board, own in zip(specs, table.boards, strict=True):
@@ -130,18 +132,8 @@ def robot_tables(robot: RobotSpec, reporting: Sequence[BoardChannels]) -> RobotT
         np.array(boards, dtype=np.int64).reshape(-1, col.BOARD_COLUMNS),
         np.array(rows, dtype=np.int64).reshape(-1, 5),
         np.array(table.lists, dtype=np.int64),
-        _constants(robot, table.layout.loss),
+        np.array(numbers, dtype=np.float64),
     )
-
-
-def _constants(robot: RobotSpec, loss: int) -> Floats:
-    found = np.zeros(col.ROBOT_ENTRIES)
-    found[col.R_PERIOD_S] = robot.link.period_s
-    found[col.R_SILENT_AFTER_S] = robot.link.silent_after_s
-    found[col.R_LOSS] = loss
-    found[col.R_STALE_AFTER_S] = robot.link.stale_after_s
-    found[col.R_LISTEN_EVERY_S] = robot.link.listen_every_s
-    return found
 
 
 # --- signals -------------------------------------------------------------------------------------

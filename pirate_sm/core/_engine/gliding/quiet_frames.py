@@ -58,9 +58,9 @@ class SameDuty(NamedTuple):
 class Watch(NamedTuple):
     """What a frame meets, and what it must leave as it is; else the engine must take it.
 
-    A frame is quiet if its values are plausible, if it comes before the deadline and in time after
-    the board's last one, if every condition of its board is as before, and if every loop gives
-    the duty that was sent last. It changes nothing but :class:`Glided`.
+    A frame is quiet if its values are plausible, it comes before the deadline, every condition of
+    its board is as before, and every loop gives the duty that was sent last. It changes nothing but
+    :class:`Glided`.
 
     Attributes:
         robot: The robot.
