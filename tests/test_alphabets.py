@@ -84,25 +84,22 @@ ALPHABETS = {
         ),
     ),
     "criterion": Alphabet(
-        "core/_model/robot/criteria.py",
+        "core/_model/robot/done_criteria.py",
         "| Aligned | Below",
-        "NewCriterion(Frozen)",
-        ("views/drawing/mission_words.py", "core/_loading/robot/commands.py"),
+        "NewCriterion(DoneWhen)",
+        ("core/_loading/robot/done_criteria.py",),
     ),
-    "resolved criterion": Alphabet(
-        "core/_engine/robot/criteria.py",
-        "| BelowSpec",
-        "NewCriterionSpec(NamedTuple)",
-        (
-            "checking/robot/profile_numbers.py",
-            "core/_engine/robot/done_criteria.py",
-        ),
+    "demand of a criterion": Alphabet(
+        "core/_engine/robot/done_criteria.py",
+        "| WheelTurning | AngleSet",
+        "NewDemand(NamedTuple)",
+        ("core/_engine/robot/done_criteria.py",),
     ),
     "way to see a state": Alphabet(
-        "core/_engine/robot/criteria.py",
-        "| ImpliedSpec | AcceptedSpec",
-        "NewSeenSpec(NamedTuple)",
-        ("checking/robot/profile_behaviour.py", "core/_engine/robot/sensor_verdict.py"),
+        "core/_model/robot/seen_states.py",
+        "| Implied | Unknown",
+        "NewSeenState(Frozen)",
+        ("core/_loading/robot/seen_states.py",),
     ),
     "derived signal": Alphabet(
         "core/_model/robot/signals.py",

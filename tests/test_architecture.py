@@ -22,7 +22,7 @@ TEXTS = {
 """The source files by their names in the package."""
 _WORD = re.compile(r"[A-Za-z]\w*")
 LONGEST_FILE = 500
-LONG_FILE, MOST_LONG_FILES = 400, 67
+LONG_FILE, MOST_LONG_FILES = 400, 65
 """Files that are longer than this may only become fewer (decision 122)."""
 
 LONGEST_FUNCTION = 60
@@ -35,7 +35,7 @@ LONGER_FOR_A_REASON = {
 HANDED_OUT_FOR_RECIPES = {"pirate_sm.core.pipe.Blockage"}
 """Names that nothing uses yet, but an example of docs/changing.md."""
 
-CORE_HANDS_OUT = {"names": 503, "modules": 26}
+CORE_HANDS_OUT = {"names": 492, "modules": 26}
 """What the other rooms use of the core; these may only become fewer (decision 121)."""
 
 # Where a chart or a profile gives names: the keys of these mappings and the values of these keys.

@@ -15,11 +15,10 @@ from typing import NamedTuple
 
 from pirate_sm.core.profile import Motor, Profile
 from pirate_sm.core.robot import (
-    AcceptedSpec,
     CriterionSpec,
     RobotSpec,
-    StalledSpec,
-    TurningSpec,
+    TorqueBorne,
+    WheelTurning,
     Write,
 )
 
@@ -101,7 +100,7 @@ class InForce:
     def _before(self) -> Mapping[int, Set[tuple[int, bool]]]:
         """The configurations before each one, and whether the command waits for what it asks."""
         found = defaultdict[int, set[tuple[int, bool]]](set)
-        waits = [not isinstance(each.done, AcceptedSpec) for each in self.robot.commands]
+        waits = [each.proof == "sensor" for each in self.robot.commands]
         for before, row in enumerate(self.robot.table.following):
             for command, after in enumerate(row):
                 if after != before:
@@ -187,9 +186,7 @@ def too_strong(force: InForce, done: CriterionSpec, led: Sequence[Actuated]) -> 
         done: The criterion.
         led: Where the command leads to; one that suffices is enough.
     """
-    if not isinstance(done, StalledSpec) or not led:
-        return ""
-    for load in done.loads:
+    for load in done.asked(TorqueBorne) if led else ():
         if load.slot < 0:
             continue
         most, slot = max(force.most_nm(at, load.slot) for at in led), load.slot
@@ -207,16 +204,16 @@ def too_slow(force: InForce, done: CriterionSpec, led: Sequence[Actuated]) -> st
 
     The arguments are those of :func:`too_strong`.
     """
-    if not isinstance(done, TurningSpec):
-        return ""
-    speeds = [force.most_rad_s(at, slot) for at in led for slot, _ in done.wheels]
-    most = max(speeds, default=inf)
-    if most > done.above:
-        return ""
-    if most == 0:
-        return "no wheel is driven in the states that it leads to"
-    there = under(force.robot, led[0].control)
-    return (
-        f"wheels turn with at most {most:.3g} rad/s there, {done.above:.3g} rad/s are asked"
-        f" for{there}"
-    )
+    for asked in done.asked(WheelTurning):
+        speeds = [force.most_rad_s(at, slot) for at in led for slot, _ in asked.wheels]
+        most = max(speeds, default=inf)
+        if most > asked.above:
+            continue
+        if most == 0:
+            return "no wheel is driven in the states that it leads to"
+        there = under(force.robot, led[0].control)
+        return (
+            f"wheels turn with at most {most:.3g} rad/s there, {asked.above:.3g} rad/s are asked"
+            f" for{there}"
+        )
+    return ""

@@ -11,7 +11,7 @@ from pirate_sm.checking.mission.reachability import cannot_end
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Program
 from pirate_sm.core.resuming import Resumption
-from pirate_sm.core.robot import Mark, confirmation
+from pirate_sm.core.robot import Mark, declared_states
 
 Word = Literal["possible", "may hang", "fails", "impossible", "not explored"]
 
@@ -44,7 +44,7 @@ def forecast(
         confirmed: The marks of the resumption's robot that the sensors have confirmed.
     """
     body = it.body._replace(marks=it.body.marks - confirmed)
-    body = body._replace(marks=body.marks - confirmation.awaiting(loaded.robot, body))
+    body = body._replace(marks=body.marks - declared_states.awaiting(loaded.robot, body))
     program = it.program(loaded.program)
     found = explore(loaded.robot, program, conditions_of(loaded), body=body)
     book = index_exploration(found)

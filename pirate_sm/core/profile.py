@@ -4,7 +4,7 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._model.robot import criteria, signals
+from pirate_sm.core._model.robot import done_criteria, signals
 from pirate_sm.core._model.robot.actuation import (
     Control,
     Duty,
@@ -18,7 +18,6 @@ from pirate_sm.core._model.robot.actuation import (
     Target,
 )
 from pirate_sm.core._model.robot.body import Body, Link, Motor, Wheel
-from pirate_sm.core._model.robot.criteria import SafetyRule
 from pirate_sm.core._model.robot.profile import (
     Board,
     Channel,
@@ -27,6 +26,7 @@ from pirate_sm.core._model.robot.profile import (
     LinkSettings,
     PassedBy,
     Profile,
+    SafetyRule,
     Slot,
     Travel,
 )

@@ -5,24 +5,15 @@
 from __future__ import annotations
 
 from pirate_sm.core._engine.mission.planning import Plan, RulePlaces, plans
-from pirate_sm.core._engine.robot import confirmation, duty_cycles
+from pirate_sm.core._engine.robot import declared_states, duty_cycles
+from pirate_sm.core._engine.robot.actuation_spec import SlotSpec, StageSpec, Write
 from pirate_sm.core._engine.robot.command_outcome import lets_all_go, marks_after, refusal
-from pirate_sm.core._engine.robot.command_spec import SlotSpec, StageSpec, Write
-from pirate_sm.core._engine.robot.criteria import (
-    AcceptedSpec,
-    AlignedSpec,
-    AnglesSpec,
-    BelowSpec,
+from pirate_sm.core._engine.robot.done_criteria import (
     CriterionSpec,
-    DrivenSpec,
-    HeldSpec,
-    ImpliedSpec,
-    ReachedSpec,
-    SeenSpec,
-    StalledSpec,
-    StandingSpec,
-    StoppedSpec,
-    TurningSpec,
+    Need,
+    TorqueBorne,
+    WheelTurning,
+    needs_of_signals,
 )
 from pirate_sm.core._engine.robot.loops import torque_nm
 from pirate_sm.core._engine.robot.robot_spec import (
@@ -44,5 +35,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     state_change,
     states_of,
 )
-from pirate_sm.core._engine.robot.sensor_verdict import verdict
+from pirate_sm.core._engine.robot.state_signs import HeldSpec, SeenSpec
+from pirate_sm.core._engine.robot.state_verdicts import verdict
 from pirate_sm.core._engine.safety import rules

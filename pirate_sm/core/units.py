@@ -305,6 +305,11 @@ def format_quantity(value: float, dimension: Dimension) -> str:
     return f"{value!r} {unit}".strip()
 
 
+def in_degrees(value_rad: float) -> str:
+    """Return an angle in degrees: `12.5°`."""
+    return f"{round(math.degrees(value_rad), 3):g}°"
+
+
 def unit_of(dimension: Dimension) -> str:
     """Return the SI unit of displayed values of a dimension; empty if it has none."""
     return format_quantity(1.0, dimension).partition(" ")[2]

@@ -273,7 +273,7 @@ def time_limits(view: MissionView) -> Iterator[Finding]:
 def _timeout(it: Do, loaded: LoadedMission) -> tuple[Severity, str]:
     """Return severity and message if a command's timeout is too short; an empty message if not."""
     spec = loaded.robot.commands[it.command]
-    for_s = getattr(spec.done, "for_s", 0.0)
+    for_s = spec.done.for_s
     if it.timeout_s is None:
         return Severity.WARNING, ""
     if it.timeout_s <= for_s:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
 
 from pirate_sm.checking.actuation_in_force import Actuated
@@ -15,15 +15,7 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.expressions import tree
 from pirate_sm.core.library import find_mission
 from pirate_sm.core.loading import references
-from pirate_sm.core.robot import (
-    AcceptedSpec,
-    AnglesSpec,
-    DrivenSpec,
-    HeldSpec,
-    ImpliedSpec,
-    SeenSpec,
-    StandingSpec,
-)
+from pirate_sm.core.robot import HeldSpec, SeenSpec
 
 # --- commands ------------------------------------------------------------------------------------
 
@@ -222,10 +214,8 @@ def unseen_states(view: RobotView) -> Iterator[Finding]:
 def impossible_signs(view: RobotView) -> Iterator[Finding]:
     """Yield criteria that the sensors can never meet, or never for long enough."""
     robot = view.loaded.normal
-    every = (*robot.sight.parts, *(spec for each in robot.sight.states for spec in each.values()))
-    lasting = [
-        each.for_s for each in every if isinstance(each, HeldSpec | AnglesSpec | StandingSpec)
-    ]
+    seen = [spec for each in robot.sight.states for spec in each.values() if spec.needs]
+    lasting = [each.for_s for each in (*robot.sight.parts, *seen) if each is not None]
     if lasting and min(lasting) >= robot.sight.within_s:
         message = f"nothing can be confirmed: {_too_long(view, min(lasting))}"
         yield view.at(("seen", "within"), "robot.seen_never", message)
@@ -255,22 +245,16 @@ def _said(
 def _part(view: RobotView, part: int, spec: HeldSpec) -> Iterator[tuple[str, str]]:
     yield "for", _too_long(view, spec.for_s)
     needed = [index for joint in spec.joints for index in (joint.torque, joint.rate)]
-    yield "loaded", _unheard(view, [*needed, spec.diameter, spec.apex])
+    yield "loaded", view.unmeasured([*needed, spec.diameter, spec.apex])
     yield "torque", _too_strong(view, part, spec)
     if spec.open_rad <= 0:
         yield "end_stop", "its apex is never farther than this from its end stop"
 
 
 def _state(view: RobotView, spec: SeenSpec) -> Iterator[tuple[str, str]]:
-    match spec:
-        case AnglesSpec(targets, _, _, for_s):
-            yield "for", _too_long(view, for_s)
-            yield "kind", _unheard(view, [angle for angle, _ in targets])
-        case StandingSpec(speeds, _, for_s):
-            yield "for", _too_long(view, for_s)
-            yield "kind", "" if view.heard & set(speeds) else _unheard(view, speeds)
-        case DrivenSpec() | ImpliedSpec() | AcceptedSpec():
-            pass
+    if spec.needs is not None:
+        yield "for", _too_long(view, spec.for_s)
+        yield "kind", view.unheard(spec.needs)
 
 
 def _too_long(view: RobotView, for_s: float) -> str:
@@ -278,12 +262,6 @@ def _too_long(view: RobotView, for_s: float) -> str:
     if for_s < within_s:
         return ""
     return f"it must hold for {for_s:g} s, but the start check takes only {within_s:g} s"
-
-
-def _unheard(view: RobotView, needed: Sequence[int]) -> str:
-    missing = [index for index in needed if index >= 0 and index not in view.heard]
-    names = view.loaded.normal.vocabulary.numbers
-    return f"no fitted board measures {names[missing[0]]}" if missing else ""
 
 
 def _too_strong(view: RobotView, part: int, spec: HeldSpec) -> str:

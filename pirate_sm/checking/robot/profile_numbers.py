@@ -10,17 +10,8 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.core.documents import Path
 from pirate_sm.core.loading import FOLDING_ROOM_RAD
-from pirate_sm.core.profile import Target, criteria
-from pirate_sm.core.robot import (
-    AcceptedSpec,
-    AlignedSpec,
-    BelowSpec,
-    CriterionSpec,
-    ReachedSpec,
-    StalledSpec,
-    StoppedSpec,
-    TurningSpec,
-)
+from pirate_sm.core.profile import Target, done_criteria
+from pirate_sm.core.robot import CriterionSpec, needs_of_signals
 
 _DENSEST_KG_M3 = 22_600.0
 """Density of osmium, the densest material there is."""
@@ -31,11 +22,11 @@ def never_done(view: RobotView) -> Iterator[Finding]:
     for number, name in enumerate(view.loaded.table.commands):
         spec = view.loaded.normal.commands[number]
         at: Path = ("commands", name, "done")
-        borne = "at_least" if isinstance(spec.done, StalledSpec) and spec.done.settled else "torque"
+        borne = "at_least" if spec.done.settled else "torque"
         fast = "share" if getattr(view.profile.commands[name].done, "share", None) else "above"
         for key, why in (
             ("for", _too_long(spec.done, spec.timeout_s)),
-            ("kind", _unheard(view, spec.done)),
+            ("kind", view.unheard(needs_of_signals(spec.done, len(view.profile.slots)))),
             (borne, too_strong(view.in_force, spec.done, view.led(number))),
             (fast, too_slow(view.in_force, spec.done, view.led(number))),
         ):
@@ -49,10 +40,10 @@ def never_done(view: RobotView) -> Iterator[Finding]:
 
 def turning_at_rest(view: RobotView) -> Iterator[Finding]:
     """Yield setpoints that keep a command from being done, which waits for wheels at rest."""
-    table, robot = view.loaded.table, view.loaded.normal
+    table = view.loaded.table
     for number, name in enumerate(table.commands):
-        done, led = robot.commands[number].done, view.led(number)
-        if not isinstance(done, StoppedSpec) or not led:
+        done, led = view.profile.commands[name].done, view.led(number)
+        if not isinstance(done, done_criteria.Stopped) or not led:
             continue
         for each in view.written:
             states = {table.configurations[at.configuration][each.region] for at in led}
@@ -80,34 +71,9 @@ def _never_done_under_controls(
 
 
 def _too_long(done: CriterionSpec, timeout_s: float) -> str:
-    for_s = getattr(done, "for_s", 0.0)
-    if for_s < timeout_s:
+    if done.for_s < timeout_s:
         return ""
-    return f"for {for_s:g} s is not shorter than its timeout of {timeout_s:g} s"
-
-
-def _unheard(view: RobotView, done: CriterionSpec) -> str:
-    """Return why the required signals are never reported; empty if they are."""
-    robot = view.loaded.normal
-    heard = view.heard
-    match done:
-        case StalledSpec(rates, loads):
-            needed, every = (*rates, *(load.torque for load in loads)), True
-        case BelowSpec(signals):
-            needed, every = signals, True
-        case AlignedSpec(slots):
-            needed, every = tuple(angle for _, angle in slots), True
-        case TurningSpec(wheels):
-            needed, every = tuple(speed for _, speed in wheels), False
-        case StoppedSpec(parts):  # the first part that cannot be heard at all, if there is one
-            unheard = (speeds for speeds in parts if not heard & set(speeds))
-            needed, every = next(unheard, ()), False
-        case AcceptedSpec() | ReachedSpec():
-            return ""
-    missing = [robot.vocabulary.numbers[index] for index in needed if index not in heard]
-    if not missing or (not every and len(missing) < len(needed)):
-        return ""
-    return f"no fitted board measures {missing[0]}"
+    return f"for {done.for_s:g} s is not shorter than its timeout of {timeout_s:g} s"
 
 
 def hidden_motors(view: RobotView) -> Iterator[Finding]:
@@ -125,9 +91,9 @@ def hidden_motors(view: RobotView) -> Iterator[Finding]:
         "above": all(motor.no_load_speed for slot, motor in motors if slot.wheel),
     }
     for path, how in found:
-        key = "torque" if isinstance(how, criteria.Load) else "above"
+        key = "torque" if isinstance(how, done_criteria.Load) else "above"
         if (
-            isinstance(how, criteria.Load | criteria.Turning)
+            isinstance(how, done_criteria.Load | done_criteria.Turning)
             and getattr(how, key) is not None
             and known[key]
         ):
@@ -137,8 +103,10 @@ def hidden_motors(view: RobotView) -> Iterator[Finding]:
 
 def nominal_times(view: RobotView) -> Iterator[Finding]:
     """Yield commands whose nominal duration exceeds their timeout."""
+    robot, index = view.loaded.normal, view.loaded.table.command_index
     for name, command in view.profile.commands.items():
-        if command.nominal > command.timeout and not isinstance(command.done, AcceptedSpec):
+        measured = robot.commands[index[name]].proof == "sensor"
+        if command.nominal > command.timeout and measured:
             message = (
                 f"the nominal duration of {name} is {command.nominal:g} s, longer than its timeout"
                 f" of {command.timeout:g} s"

@@ -9,7 +9,7 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.core.documents import Path
 from pirate_sm.core.expressions import NumberType
-from pirate_sm.core.profile import criteria
+from pirate_sm.core.profile import done_criteria
 from pirate_sm.core.profile import signals as kinds
 from pirate_sm.core.units import ACCELERATION, ANGLE, CURRENT, TORQUE
 
@@ -347,7 +347,7 @@ def _loads(view: RobotView) -> Iterator[_Wrong]:
         done = view.profile.commands[command.name].done
         moves = view.moves(number)
         clamped = {robot.parts[p] for a, b in moves for p in robot.held[b] - robot.held[a]}
-        if not isinstance(done, criteria.Stalled) or not clamped & {
+        if not isinstance(done, done_criteria.Stalled) or not clamped & {
             part_of[each] for each in done.loaded
         }:
             continue  # reported as a clamp without a sign

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Set
+from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -12,7 +12,7 @@ from pirate_sm.checking.findings import Finding, Severity, at
 from pirate_sm.core.documents import Path
 from pirate_sm.core.loading import LoadedRobot
 from pirate_sm.core.profile import Channel, Motor, Profile, Slot
-from pirate_sm.core.robot import RobotSpec, StageSpec, Write
+from pirate_sm.core.robot import Need, RobotSpec, StageSpec, Write
 
 
 class StateWrite(NamedTuple):
@@ -112,6 +112,16 @@ class RobotView:
         told |= {index for index, _ in robot.outside.values()}
         told |= set(robot.traction.targets if robot.traction else ())
         return frozenset(told | {robot.odometry, robot.speed})
+
+    def unmeasured(self, signals: Iterable[int]) -> str:
+        """Return which of these signals no board measures, as a reason; empty if all are."""
+        missing = next((each for each in signals if each >= 0 and each not in self.heard), -1)
+        names = self.loaded.normal.vocabulary.numbers
+        return f"no fitted board measures {names[missing]}" if missing >= 0 else ""
+
+    def unheard(self, needs: Iterable[Need]) -> str:
+        """Return which signal is missing without which one of these is never true."""
+        return self.unmeasured(at for need in needs for at in need.unheard(self.heard))
 
     def configurations(self, regions: Set[str]) -> list[tuple[str, ...]]:
         """Return one reached configuration for each combination of the states of these regions."""

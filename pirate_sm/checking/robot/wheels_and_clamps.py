@@ -7,7 +7,7 @@ from math import copysign
 
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView, StateWrite
-from pirate_sm.core.robot import AcceptedSpec, StalledSpec
+from pirate_sm.core.robot import TorqueBorne
 
 
 def _apexes(view: RobotView) -> Iterator[tuple[int, int, int]]:
@@ -239,11 +239,11 @@ def unconfirmed_clamps(view: RobotView) -> Iterator[Finding]:
             for before, after in view.moves(number)
             for part in robot.held[after] - robot.held[before]
         }
-        if isinstance(command.done, AcceptedSpec):
+        if command.proof == "echo":
             unseen, key = clamped, "kind"
-        elif isinstance(command.done, StalledSpec):
+        elif loads := command.done.asked(TorqueBorne):
             names = robot.vocabulary.numbers
-            unseen = clamped - {own.get(names[load.torque]) for load in command.done.loads}
+            unseen = clamped - {own.get(names[load.torque]) for load in loads}
             key = "loaded"
         else:
             continue

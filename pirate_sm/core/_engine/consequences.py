@@ -18,10 +18,9 @@ from pirate_sm.core._engine.mission.flow import (
 from pirate_sm.core._engine.mission.interpreter import advance, without_requests
 from pirate_sm.core._engine.mission.waiting import next_deadline
 from pirate_sm.core._engine.moment import Moment, has_come
-from pirate_sm.core._engine.robot import commands, confirmation, robot_state, setpoint_arrays
-from pirate_sm.core._engine.robot.criteria import Evidence
+from pirate_sm.core._engine.robot import commands, declared_states, robot_state, setpoint_arrays
+from pirate_sm.core._engine.robot.evidence import Evidence, proofs_after
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.robot.sensor_verdict import proofs_after
 from pirate_sm.core._engine.safety import rules, start_check
 from pirate_sm.core._engine.safety.faults import listen, unsettle
 from pirate_sm.core._engine.sensing.environment import NOTHING_AROUND, differs, merged, survey
@@ -52,7 +51,7 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
     elif not state.mission.ended:
         if state.looking is not None:
             state = start_check.compare(moment, state, state.looking)
-        if state.lapsed is not None or confirmation.lapsed_in(state.robot.marks):
+        if state.lapsed is not None or declared_states.lapsed_in(state.robot.marks):
             state = start_check.see_again(moment, state)
         if state.robot.motion is not None and not state.mission.suspended:
             state = _watch_command(moment, state)
@@ -135,7 +134,7 @@ def watch_rules(moment: Moment, before: EngineState, state: EngineState) -> Engi
     follow = partial(rules.follow, moment.program, moment.robot, state.rules)
     accepts = int(accepted), name if accepted else None
     places, broken = follow(new, *accepts)
-    unseen = bool(broken) and not follow(confirmation.as_last_seen(new), *accepts)[1]
+    unseen = bool(broken) and not follow(declared_states.as_last_seen(new), *accepts)[1]
     if places != state.rules:
         state = state._replace(rules=places)
     # While a fault is being handled the mission breaks no rule: rules were checked before its last

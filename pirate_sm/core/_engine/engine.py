@@ -17,11 +17,10 @@ from pirate_sm.core._engine.gliding.quiet_frames import Glided, Watch
 from pirate_sm.core._engine.mission.program import Program, signals_read, slip_watched
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.robot import commands, confirmation, robot_state
-from pirate_sm.core._engine.robot.criteria import Evidence
+from pirate_sm.core._engine.robot import commands, declared_states, robot_state
+from pirate_sm.core._engine.robot.evidence import Evidence, proofs_at_start
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import RobotState
-from pirate_sm.core._engine.robot.sensor_verdict import proofs_at_start
 from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.safety.faults import no_faults
 from pirate_sm.core._engine.sensing import environment
@@ -133,7 +132,7 @@ class Engine:
             )
             progress = resumed.rules or progress
         following, _ = rules.follow(self.program, self.robot, progress, robot, 0)
-        look = None if self.nominal else confirmation.begin(self.robot, robot, now_s)
+        look = None if self.nominal else declared_states.begin(self.robot, robot, now_s)
         surveyed = environment.nothing_surveyed(nominal=self.nominal)
         faults = no_faults(self.robot, now_s)
         state = EngineState(robot, sensing, mission, faults, words)
@@ -152,7 +151,7 @@ class Engine:
 
     def _declared(self) -> RobotState:
         """Return the robot as declared; with sensors it is unconfirmed until they agree."""
-        declared = robot_state.at_rest_in if self.nominal else confirmation.declared_in
+        declared = robot_state.at_rest_in if self.nominal else declared_states.declared_in
         return declared(self.robot, self.program.start_configuration)
 
     def step(

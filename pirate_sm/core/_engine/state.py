@@ -8,8 +8,8 @@ from typing import NamedTuple
 from pirate_sm.core._engine.mission.program import HandlerSpec, Program
 from pirate_sm.core._engine.records import often_replaced
 from pirate_sm.core._engine.robot.command_outcome import refusal
-from pirate_sm.core._engine.robot.confirmation import LOOKING, Look
-from pirate_sm.core._engine.robot.criteria import StoppedSpec
+from pirate_sm.core._engine.robot.declared_states import LOOKING, Look
+from pirate_sm.core._engine.robot.evidence import Proofs
 from pirate_sm.core._engine.robot.loops import Loops
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
@@ -20,7 +20,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     obeyed,
     states_of,
 )
-from pirate_sm.core._engine.robot.sensor_verdict import Proofs
 from pirate_sm.core._engine.sensing.environment import Surveyed
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._model.effects import Outcome
@@ -257,7 +256,7 @@ class EngineState(NamedTuple):
             return "impossible: the mission is ending"
         if self.look is not None:
             return f"impossible: {LOOKING}"
-        motion, stops = body.motion, isinstance(robot.commands[index].done, StoppedSpec)
+        motion, stops = body.motion, robot.commands[index].done.kind == "stopped"
         if motion is not None and not mission.suspended:
             drives = bool(robot.driven[motion.target])
             if not (at_once and stops and drives) or motion.place:

@@ -25,7 +25,6 @@ from pirate_sm.core.program import SwitchControl, Wait
 from pirate_sm.core.robot import (
     RobotSpec,
     RobotState,
-    StoppedSpec,
     at_rest_in,
     marks_after,
     refusal,
@@ -90,7 +89,7 @@ def arrows_for(robot: RobotSpec) -> dict[str, str]:
     """Return the command of each arrow key: up and down drive, left and right brake."""
     found: dict[str, str] = {}
     for command in robot.commands:
-        if isinstance(command.done, StoppedSpec):
+        if command.done.kind == "stopped":
             found.setdefault("left", command.name)
             found.setdefault("right", command.name)
     for name, way in ways(robot).items():

@@ -24,9 +24,10 @@ from pirate_sm.core.profile import (
     Target,
 )
 from pirate_sm.core.spelling import listed
+from pirate_sm.core.units import in_degrees
 from pirate_sm.views.drawing.command_needs import Need, RegionChange, changes, needs
 from pirate_sm.views.drawing.graph.graph import Cluster, Graph, chart_graph
-from pirate_sm.views.drawing.mission_words import angle, done_when, seconds
+from pirate_sm.views.drawing.mission_words import seconds
 from pirate_sm.views.drawing.side_view import Faults, side_text, side_view
 from pirate_sm.views.drawing.side_view_svg import side_svg
 from pirate_sm.views.drawing.svg.svg_writer import svg
@@ -266,7 +267,8 @@ def _command(robot: LoadedRobot, name: str) -> Iterator[Block]:
     yield PageTable(("region", "from", "to", "motors"), [_change(robot, each) for each in found])
     if command.posture:
         yield from _posture(profile, command.posture)
-    yield Paragraph(f"when {done_when(profile, command.done)}.", "Done")
+    angles = {slot.name: slot.roll or slot.name for slot in profile.slots}
+    yield Paragraph(f"when {command.done.told(angles)}.", "Done")
     yield Paragraph(
         f"if that takes longer than {seconds(command.timeout)}; nominally it takes "
         f"{seconds(command.nominal)}.",
@@ -416,11 +418,12 @@ def _value(value: object) -> str:
         case Duty():
             return f"{value.value * 100:g} %"
         case Target():
-            return f"to {angle(value.angle_rad)}"
+            return f"to {in_degrees(value.angle_rad)}"
         case Share():
             return f"to {value.factor:g} × {value.joint}"
         case Level():
-            return f"until the part that turns is at {angle(value.angle_rad)} to the horizontal"
+            level = in_degrees(value.angle_rad)
+            return f"until the part that turns is at {level} to the horizontal"
         case Speed():
             return f"at {value.value * 1000:g} mm/s"
         case HeldTorque():

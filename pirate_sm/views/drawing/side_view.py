@@ -23,8 +23,8 @@ from pirate_sm.core.profile import (
     Stage,
     Target,
 )
+from pirate_sm.core.units import in_degrees
 from pirate_sm.views.drawing.canvas import ACROSS, DOWN, Canvas
-from pirate_sm.views.drawing.mission_words import angle
 from pirate_sm.views.drawing.wrapping import wrapped
 
 Faults = Mapping[FilePlace, str]
@@ -217,11 +217,11 @@ class _Reader(NamedTuple):
                 direction = self.robot.profile.body.wheels[floor(place.column)].direction
                 return "→" if sign * direction > 0 else "←"
             case Target(angle_rad):
-                return angle(angle_rad)
+                return in_degrees(angle_rad)
             case Share(factor):
                 return f"{factor:g}×"
             case Level(angle_rad):
-                return f"level {angle(angle_rad)}"
+                return f"level {in_degrees(angle_rad)}"
             case None:
                 return "↺" if place.slot.roll else "+"
             case _:

@@ -8,7 +8,7 @@ from itertools import chain, pairwise
 from math import atan2, cos, degrees, hypot, radians, sin
 
 from pirate_sm.core.geometry import Place
-from pirate_sm.views.drawing.mission_words import angle
+from pirate_sm.core.units import in_degrees
 from pirate_sm.views.drawing.side_view import LEGEND, SCALE, WRONG, SideView
 from pirate_sm.views.drawing.svg.arrangement import MARGIN, TEXT_LINE, TITLE_LINE
 from pirate_sm.views.drawing.svg.svg_writer import at, circle, paper, px, rectangle, text_at
@@ -88,7 +88,7 @@ class _Sheet:
             line
             for joint in body.joints
             if joint.wheel == wheel.name
-            for line in (joint.name, f"±{angle(joint.end_stop)}")
+            for line in (joint.name, f"±{in_degrees(joint.end_stop)}")
         ]
         side = "A" if wheel.direction > 0 else "B"
         below = [wheel.name, f"{wheel.part}, side {side}"]

@@ -17,13 +17,11 @@ from pirate_sm.core._engine.gliding.quiet_frames import Condition, SameDuty, Wat
 from pirate_sm.core._engine.mission.program import Do, Program, Question, SwitchControl, Wait
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.robot.criteria import CriterionSpec, ReachedSpec
 from pirate_sm.core._engine.robot.done_criteria import (
     Bound,
+    CriterionSpec,
+    JointsArrived,
     arrived,
-    criterion_tree,
-    posture_bounds,
-    why_not_clamped,
 )
 from pirate_sm.core._engine.robot.loops import RunningPositionLoop
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
@@ -32,8 +30,10 @@ from pirate_sm.core._engine.robot.robot_state import (
     Motion,
     RobotState,
     criteria_of,
+    posture_bounds,
     posture_of,
 )
+from pirate_sm.core._engine.robot.why_not_done import why_not_clamped
 from pirate_sm.core._engine.sensing.environment import Surveyed, announced, held_parts, joint_around
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._engine.state import EngineState, MissionState
@@ -139,7 +139,7 @@ def _command_conditions(
     for done, since_s in criteria:
         holds = not isnan(since_s)
         found.append(Condition(_done(done, body.values, seekers, there), holds, ANY_BOARD))
-        if holds and isinstance(done, ReachedSpec):  # it need not last once every joint is there
+        if holds and done.asked(JointsArrived):  # it need not last once every joint is there
             found.append(
                 _condition(tree.And(tuple(arrived(each).condition for each in seekers)), False)
             )
@@ -166,7 +166,7 @@ def _same_duties(robot: RobotSpec, body: RobotState) -> tuple[SameDuty, ...]:
     )
 
 
-@lru_cache(maxsize=4096, typed=True)  # criteria of two kinds can be equal as tuples
+@lru_cache(maxsize=4096)
 def _done(
     done: CriterionSpec,
     setpoints: Numbers,
@@ -174,7 +174,7 @@ def _done(
     there: tuple[Bound, ...],
 ) -> Code:
     """Return the code of a criterion; in a posture every joint must be at its angle too."""
-    parts = (criterion_tree(done, setpoints, seekers), *(each.condition for each in there))
+    parts = (done.condition(setpoints, seekers), *(each.condition for each in there))
     return code_of(tree.And(parts))
 
 

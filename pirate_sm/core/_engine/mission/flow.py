@@ -12,10 +12,10 @@ from math import inf, nan
 
 from pirate_sm.core._engine.mission.program import STOP, Question
 from pirate_sm.core._engine.moment import Moment, has_come
-from pirate_sm.core._engine.robot import commands, confirmation, robot_state
+from pirate_sm.core._engine.robot import commands, declared_states, robot_state
 from pirate_sm.core._engine.robot.command_outcome import doubt_grip
-from pirate_sm.core._engine.robot.done_criteria import unmet_conditions
 from pirate_sm.core._engine.robot.robot_state import Finished, RobotState
+from pirate_sm.core._engine.robot.why_not_done import unmet_conditions
 from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.safety.faults import FoundFault
 from pirate_sm.core._engine.state import BeforePause, Ending, EngineState, MissionState
@@ -180,7 +180,7 @@ def await_sight(moment: Moment, state: EngineState) -> EngineState:
         return end_by_fault(moment, state, rules.CODE, missing)
     if late and steps:
         state = state._replace(mission=_forget_actuation(mission, body))
-    elif missing or (steps and confirmation.as_last_seen(body) != body):
+    elif missing or (steps and declared_states.as_last_seen(body) != body):
         return state
     return resume(moment, state, one_step=mission.one_step)
 

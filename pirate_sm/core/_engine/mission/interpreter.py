@@ -22,7 +22,7 @@ from pirate_sm.core._engine.mission.program import (
 )
 from pirate_sm.core._engine.mission.waiting import met_unknown, question, wait, with_measured
 from pirate_sm.core._engine.moment import Moment, has_come
-from pirate_sm.core._engine.robot import command_outcome, commands, confirmation, robot_state
+from pirate_sm.core._engine.robot import command_outcome, commands, declared_states, robot_state
 from pirate_sm.core._engine.robot.robot_state import RobotState
 from pirate_sm.core._engine.robot.setpoint_arrays import unsettled
 from pirate_sm.core._engine.safety import rules
@@ -119,7 +119,7 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
         return state  # the array in flight is resolved first
     state = lapse_unheard(moment, state)
     reason = command_outcome.refusal(moment.robot, state.robot, it.command)
-    known = confirmation.as_last_seen(state.robot) if reason else state.robot
+    known = declared_states.as_last_seen(state.robot) if reason else state.robot
     if reason and not command_outcome.refusal(moment.robot, known, it.command):
         waiting = _awaiting_sight(moment, state)
         if waiting is not None:
@@ -202,7 +202,7 @@ def _require(moment: Moment, state: EngineState, it: Require) -> EngineState:
     reason = _lacks(moment, state.robot, it)
     if not reason:
         return go(state, it.next)
-    if not _lacks(moment, confirmation.as_last_seen(state.robot), it):
+    if not _lacks(moment, declared_states.as_last_seen(state.robot), it):
         waiting = _awaiting_sight(moment, state)
         if waiting is not None:
             return waiting
@@ -215,7 +215,7 @@ def _lacks(moment: Moment, body: RobotState, it: Require) -> str:
     """Return in words which required states the robot is not in; empty if it is in all."""
     names = robot_state.states_of(moment.robot, body)
     # States that any accepted array confirms will hold with the called mission's first command.
-    open_ = body.marks - confirmation.awaiting(moment.robot, body)
+    open_ = body.marks - declared_states.awaiting(moment.robot, body)
     doubtful = robot_state.unconfirmed(moment.robot, body._replace(marks=open_))
     return "; ".join(
         f"{moment.robot.regions[region]} is {names[region]}"

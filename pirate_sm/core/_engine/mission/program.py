@@ -13,8 +13,8 @@ from functools import lru_cache
 from math import inf, isnan
 from typing import Literal, NamedTuple, TypeAlias
 
-from pirate_sm.core._engine.robot.command_spec import GripSpec
-from pirate_sm.core._engine.robot.criteria import BelowSpec
+from pirate_sm.core._engine.robot.actuation_spec import GripSpec
+from pirate_sm.core._engine.robot.done_criteria import needs_of_signals
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._expressions import Expression
 
@@ -378,7 +378,6 @@ def signals_read(robot: RobotSpec, program: Program) -> frozenset[int]:
     Grips count that estimate the friction, which takes many rounds, where the mission uses their
     control; each run begins with the usual one. Grips that know the friction read slip while their
     control is in force, see :func:`slip_watched`.
-    Not among them: angles, rates, torques and diameters that a robot's own parts are made of.
     """
     places = {name: at for at, name in enumerate(robot.vocabulary.with_changes.numbers)}
     count = len(robot.vocabulary.numbers)  # the changes of the signals come after them
@@ -415,7 +414,8 @@ def _conditions(program: Program) -> Iterator[Expression]:
 def _in_criteria(robot: RobotSpec) -> frozenset[int]:
     criteria = [each.done for each in robot.commands]
     criteria += [each.done for it in robot.commands for each in it.postures if each is not None]
-    return frozenset(n for done in criteria if isinstance(done, BelowSpec) for n in done.signals)
+    needs = (need for done in criteria for need in needs_of_signals(done, len(robot.slots)))
+    return frozenset(bound.signal for need in needs for way in need.ways for bound in way)
 
 
 def _in_grips(robot: RobotSpec, program: Program) -> Iterator[int]:

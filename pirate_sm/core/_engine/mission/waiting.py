@@ -13,7 +13,8 @@ from pirate_sm.core._engine.mission.program import (
     Wait,
 )
 from pirate_sm.core._engine.moment import Moment, has_come
-from pirate_sm.core._engine.robot.done_criteria import Limit, unmet_of
+from pirate_sm.core._engine.robot.done_criteria import near
+from pirate_sm.core._engine.robot.why_not_done import unmet_of
 from pirate_sm.core._engine.safety.faults import FoundFault
 from pirate_sm.core._engine.sensing.distance import BASE_M
 from pirate_sm.core._engine.sensing.known_signals import with_changes
@@ -156,7 +157,7 @@ def _shown(moment: Moment, state: EngineState, it: Wait, trigger: TriggerSpec) -
             continue
         signal = slot.index % len(robot.vocabulary.numbers)  # of a change: that which changes
         origin, seen = state.mission.origin, state.sensing
-        shown = unmet_of(robot, origin, Limit(signal, -inf, inf), seen, moment.now_s)
+        shown = unmet_of(robot, origin, near(signal, 0.0, inf), seen, moment.now_s)
         words = shown_words(shown, with_change=it.compares)
         found[f"{shown.signal} {words}"] = None
     return list(found)

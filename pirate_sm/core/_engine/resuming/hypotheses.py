@@ -10,8 +10,7 @@ from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot import command_outcome, commands
-from pirate_sm.core._engine.robot.confirmation import declared_in
-from pirate_sm.core._engine.robot.criteria import DrivenSpec, StandingSpec
+from pirate_sm.core._engine.robot.declared_states import declared_in
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DECLARED,
@@ -26,7 +25,8 @@ from pirate_sm.core._engine.robot.robot_state import (
     safe_values,
     states_of,
 )
-from pirate_sm.core._engine.robot.sensor_verdict import spec_of, verdict
+from pirate_sm.core._engine.robot.state_signs import OF_WHEELS
+from pirate_sm.core._engine.robot.state_verdicts import kind_of, verdict
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._engine.state import EngineState
 
@@ -120,7 +120,7 @@ def denied(
     names, setpoints = states_of(robot, rest), at_rest_in(robot, rest.configuration).values
     for mark in rest.marks:
         numbers, diameter_m = last.sensing.numbers, program.diameter_m
-        wheels = isinstance(spec_of(robot, names, mark), StandingSpec | DrivenSpec)
+        wheels = kind_of(robot, names, mark) in OF_WHEELS
         if mark.command != DECLARED or wheels:
             yield mark
         elif verdict(robot, setpoints, rest, mark, numbers, diameter_m).against:

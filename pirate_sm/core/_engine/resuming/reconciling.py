@@ -11,8 +11,7 @@ from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.moment import has_come
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.resuming.hypotheses import DarkWay, Hypothesis, dark_way, hypotheses
-from pirate_sm.core._engine.robot.confirmation import declared_in, since
-from pirate_sm.core._engine.robot.criteria import AcceptedSpec, DrivenSpec, StandingSpec
+from pirate_sm.core._engine.robot.declared_states import Watched, declared_in, since
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DECLARED,
@@ -24,7 +23,14 @@ from pirate_sm.core._engine.robot.robot_state import (
     at_rest_in,
     states_of,
 )
-from pirate_sm.core._engine.robot.sensor_verdict import Shown, shown_by, spec_of, verdict
+from pirate_sm.core._engine.robot.state_signs import OF_WHEELS
+from pirate_sm.core._engine.robot.state_verdicts import (
+    Shown,
+    kind_of,
+    shown_by,
+    spec_of,
+    verdict,
+)
 from pirate_sm.core._engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.core._engine.sensing.signal_table import forget_stale, observe
 from pirate_sm.core._engine.state import OUTSIDE, EngineState
@@ -207,25 +213,25 @@ def verdicts(
     body, diameter_m = hypothesis.body, program.diameter_m
     names, setpoints = states_of(robot, body), at_rest_in(robot, body.configuration).values
     marks = sorted(mark for mark in body.marks if mark.command != STOPPED)
-    agrees, against = dict.fromkeys(marks, nan), dict.fromkeys(marks, nan)
+    watched = [Watched(mark) for mark in marks]
     fatal = [rule for rule in robot.faults if not rule.catchable]
     raised = [nan] * len(fatal)
     words = (*names, *(None for _ in OUTSIDE))
     for at_s, sensing in _course(robot, hypothesis, frames, now_s):
-        for mark in marks:
-            found = verdict(robot, setpoints, body, mark, sensing.numbers, diameter_m)
-            agrees[mark] = since(agrees[mark], found.agrees, at_s)
-            against[mark] = since(against[mark], bool(found.against), at_s)
+        numbers = sensing.numbers
+        watched = [
+            it.after(verdict(robot, setpoints, body, it.mark, numbers, diameter_m), at_s)
+            for it in watched
+        ]
         for number, rule in enumerate(fatal):
             true = rule.when.evaluate(sensing.numbers, words) is True
             raised[number] = since(raised[number], true, at_s)
     judged = []
-    for mark in marks:
-        found = verdict(robot, setpoints, body, mark, sensing.numbers, diameter_m)
-        confirmed = has_come(now_s, agrees[mark] + found.for_s)
-        denied = mark.command == DECLARED and has_come(now_s, against[mark] + found.for_s)
+    for it in watched:
+        mark, confirmed = it.mark, it.is_confirmed(now_s)
+        denied = mark.command == DECLARED and it.is_denied(now_s)
         word: Word = "confirmed" if confirmed else "contradicted" if denied else "unknown"
-        why = "" if confirmed else found.against if denied else _why_unknown(robot, names, mark)
+        why = "" if confirmed else it.told if denied else _why_unknown(robot, names, mark)
         if mark.kind == "region":
             about, state = robot.regions[mark.which], names[mark.which]
         else:
@@ -245,11 +251,11 @@ def verdicts(
 def turning(robot: RobotSpec, numbers: Numbers) -> bool:
     """Return whether a wheel turns that would stand still if it were stopped."""
     return any(
-        abs(numbers[speed]) >= spec.below
+        sign.contradicts(numbers)
         for states in robot.sight.states
         for spec in states.values()
-        if isinstance(spec, StandingSpec)
-        for speed in spec.speeds
+        if spec.kind == "stopped"
+        for sign in spec.signs
     )
 
 
@@ -328,12 +334,12 @@ def _why_unknown(robot: RobotSpec, names: tuple[str, ...], mark: Mark) -> str:
         return f"{robot.commands[mark.command].name} was not done when the recording ends"
     if mark.command == DENIED:
         return "it is contradicted in the recording already"
-    match spec_of(robot, names, mark):
-        case None:
+    match kind_of(robot, names, mark):
+        case "":
             return "no sensor shows it"
-        case AcceptedSpec():
+        case "accepted":
             return "nothing measures it; the first accepted array that holds it confirms it"
-        case DrivenSpec():
+        case "turning":
             return "the wheels are taken to stand; a command must drive them again"
         case _:
             return "the sensors show it neither so nor otherwise for long enough"
@@ -370,8 +376,7 @@ def _choose(
     of tables that differ in nothing else the first counts.
     """
     rolling = [
-        any(isinstance(spec, StandingSpec | DrivenSpec) for spec in states.values())
-        for states in robot.sight.states
+        any(spec.kind in OF_WHEELS for spec in states.values()) for states in robot.sight.states
     ]
     wheels = set(compress(robot.regions, rolling))
     differing: dict[frozenset[tuple[str, str]], VerdictTable] = {}

@@ -23,11 +23,16 @@ from pirate_sm.core._engine.mission.program import (
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.resuming.hypotheses import DarkWay, Hypothesis, odometry_m
 from pirate_sm.core._engine.resuming.reconciling import VerdictTable
-from pirate_sm.core._engine.robot.criteria import AnglesSpec
-from pirate_sm.core._engine.robot.done_criteria import RESTORING
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.robot.robot_state import DECLARED, STOPPED, Mark, RobotState, states_of
-from pirate_sm.core._engine.robot.sensor_verdict import spec_of
+from pirate_sm.core._engine.robot.robot_state import (
+    DECLARED,
+    RESTORING,
+    STOPPED,
+    Mark,
+    RobotState,
+    states_of,
+)
+from pirate_sm.core._engine.robot.state_verdicts import kind_of
 from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.sensing.known_signals import DistanceMemory, nothing_known
 from pirate_sm.core._engine.state import Counted, EngineState
@@ -368,7 +373,7 @@ def unknowns(robot: RobotSpec, program: Program, table: VerdictTable) -> tuple[s
         for each in table.verdicts
         if each.word != "confirmed"
         and each.mark.command != under_way
-        and (each.mark.kind == "part" or isinstance(spec_of(robot, names, each.mark), AnglesSpec))
+        and (each.mark.kind == "part" or kind_of(robot, names, each.mark) == "angles")
     )
 
 

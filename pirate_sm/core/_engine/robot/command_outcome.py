@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 from math import isnan
 
-from pirate_sm.core._engine.robot.command_spec import CommandSpec
 from pirate_sm.core._engine.robot.levelling import levelling_of
-from pirate_sm.core._engine.robot.robot_spec import Configuration, RobotSpec
+from pirate_sm.core._engine.robot.robot_spec import CommandSpec, Configuration, RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DENIED,
     MOST_REMEMBERED,

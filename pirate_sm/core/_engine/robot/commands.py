@@ -14,18 +14,9 @@ from typing import Literal
 
 from pirate_sm.core._engine.moment import Moment, has_come
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.robot import confirmation, levelling
+from pirate_sm.core._engine.robot import declared_states, levelling
 from pirate_sm.core._engine.robot.command_outcome import doubt_grip, marks_after, touched
-from pirate_sm.core._engine.robot.criteria import AcceptedSpec, AlignedSpec
-from pirate_sm.core._engine.robot.done_criteria import (
-    holds,
-    in_words,
-    must_hold_s,
-    unmet_conditions,
-    why_late,
-    why_not_clamped,
-    why_unmoved,
-)
+from pirate_sm.core._engine.robot.done_criteria import AngleSet
 from pirate_sm.core._engine.robot.loops import Loops, ends_with_command
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
@@ -57,6 +48,13 @@ from pirate_sm.core._engine.robot.setpoint_arrays import (
     unknown_angle,
     unmoved_loops,
     without_loops,
+)
+from pirate_sm.core._engine.robot.why_not_done import (
+    shown_done,
+    unmet_conditions,
+    why_late,
+    why_not_clamped,
+    why_unmoved,
 )
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._model.effects import CommandStatus, Log
@@ -93,8 +91,8 @@ def begin(
         stage = POSTURE
         motion = motion._replace(blind=unknown_angle(moment.robot, posture.writes, sensing))
     if memory := levelling.levelling_of(moment.robot, regions, target):
-        assert isinstance(spec.done, AlignedSpec)  # the loader has checked it
-        blind = motion.blind or levelling.why_not(moment.robot, state, sensing, spec.done)
+        angle = spec.done.asked(AngleSet)[0]  # the loader has checked it
+        blind = motion.blind or levelling.why_not(moment.robot, state, sensing, angle)
         motion = motion._replace(levelling=memory, blind=blind)
     values, loops = stage_array(moment.robot, state, motion, sensing, regions, stage)
     moment.emit(CommandStatus(spec.name, "sent", "", place))
@@ -118,7 +116,7 @@ def resolve(
         state = state._replace(
             values=flight.values, seeking=flight.seeking, flight=None, overtaken=()
         )
-        if (confirmed := confirmation.accepted(moment.robot, state)) is not state:
+        if (confirmed := declared_states.accepted(moment.robot, state)) is not state:
             state = confirmed
             moment.emit(state_change(moment.robot, state))
         if flight.purpose == "gate" and state.motion is not None:
@@ -275,11 +273,11 @@ def _reach(
         since_s = nan
         if not why_not and is_done(moment.robot, state, motion, done, sensing):
             since_s = moment.now_s if isnan(before_s) else before_s
-            held_s = must_hold_s(done, sensing.numbers, seekers)
+            held_s = done.must_hold_s(sensing.numbers, seekers)
             if free and has_come(moment.now_s, since_s + held_s):
                 if unmoved := unmoved_loops(state, motion, done, sensing):
                     return _push_harder(moment, state, motion, sensing, unmoved)
-                reason = in_words(moment.robot, done, sensing.numbers, seekers)
+                reason = shown_done(moment.robot, done, sensing.numbers, seekers)
                 return _complete(moment, state, sensing, reason)
         times_s.append(before_s if isnan(before_s) and isnan(since_s) else since_s)
     if free and (motion.blind or has_come(moment.now_s, motion.deadline_s)):
@@ -315,15 +313,15 @@ def _level(
     """Measure how the robot lies and turn the roll joint by that, until a part is level."""
     robot, now_s, free = moment.robot, moment.now_s, state.awaited is None
     done = criterion_of(robot, motion)
-    assert isinstance(done, AlignedSpec)  # the loader has checked it
-    resting = free and holds(done, sensing.numbers, state.values, state.loops)
+    angle = done.asked(AngleSet)[0]  # the loader has checked it
+    resting = free and done.holds(sensing.numbers, state.values, state.loops)
     after = memory._replace(felt=())
     if resting:
         after = levelling.measured(robot, state, memory, sensing, now_s)
     if after != memory:
         motion = motion._replace(levelling=after)
         state = state._replace(motion=motion)
-    found = levelling.judged(robot, state, after, sensing, done, now_s) if resting else None
+    found = levelling.judged(robot, state, after, sensing, angle, now_s) if resting else None
     if found is not None and found.done:
         return _complete(moment, state, sensing, found.done)
     if found is not None and not found.failed:
@@ -352,7 +350,7 @@ def _accept(moment: Moment, state: RobotState, motion: Motion) -> RobotState:
         marks=marks,
         motion=motion._replace(accepted_s=moment.now_s, deadline_s=moment.now_s + motion.timeout_s),
     )
-    if not isinstance(moment.robot.commands[motion.command].done, AcceptedSpec):
+    if moment.robot.commands[motion.command].proof == "sensor":
         moment.emit(state_change(moment.robot, state))
     return state
 

@@ -17,7 +17,7 @@ from math import atan2, degrees, hypot, isnan, nan, pi, remainder, tan
 from typing import NamedTuple
 
 from pirate_sm.core._engine.moment import has_come
-from pirate_sm.core._engine.robot.criteria import AlignedSpec
+from pirate_sm.core._engine.robot.done_criteria import AngleSet
 from pirate_sm.core._engine.robot.duty_cycles import quantised
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import Levelling, RobotState, confirmed_parts
@@ -71,7 +71,7 @@ def levelling_of(robot: RobotSpec, regions: tuple[int, ...], target: int) -> Lev
     return None
 
 
-def why_not(robot: RobotSpec, state: RobotState, sensing: Sensing, done: AlignedSpec) -> str:
+def why_not(robot: RobotSpec, state: RobotState, sensing: Sensing, wanted: AngleSet) -> str:
     """Return why no part can be levelled now, before anything moves; empty if it may be possible.
 
     An unknown direction of gravity prevents nothing: it is measured later.
@@ -79,7 +79,7 @@ def why_not(robot: RobotSpec, state: RobotState, sensing: Sensing, done: Aligned
     if any(state.values[wheel.slot] for wheel in robot.wheels):
         return "impossible: wheels are driven, and the inclination is measured at rest; brake first"
     force = _force(robot, state, sensing)
-    return _too_steep([force], done) if surveyor.is_gravity(*force) else ""
+    return _too_steep([force], wanted) if surveyor.is_gravity(*force) else ""
 
 
 def measured(
@@ -118,7 +118,7 @@ def judged(
     state: RobotState,
     memory: Levelling,
     sensing: Sensing,
-    done: AlignedSpec,
+    wanted: AngleSet,
     now_s: float,
 ) -> Verdict | None:
     """Return what follows from the measurement; None until it has lasted long enough.
@@ -128,7 +128,7 @@ def judged(
         state: Its state; one part holds.
         memory: What was measured.
         sensing: What is known now.
-        done: When the command is done.
+        wanted: What is asked of the angle of the roll joint.
         now_s: The time.
     """
     imu, holds = robot.body.imu, confirmed_parts(robot, state)
@@ -136,18 +136,18 @@ def judged(
         return None
     if not has_come(now_s, memory.since_s + MEASURED_FOR_S):
         return None
-    if steep := _too_steep(memory.felt, done):
+    if steep := _too_steep(memory.felt, wanted):
         return Verdict(failed=steep)
     _, side_b, up = (sum(axis) for axis in zip(*memory.felt, strict=True))
     held_rad, roll_rad = atan2(-side_b, up), sensing.numbers[imu.roll]
     behind = robot.body.parts[min(holds)].wheels[0] > imu.link
     turns = 1.0 if behind else -1.0
     off_rad = remainder(held_rad + turns * roll_rad - memory.target_rad, pi)
-    if memory.turns and abs(off_rad) <= done.within:
+    if memory.turns and abs(off_rad) <= wanted.within:
         return Verdict(done=f"{degrees(off_rad):z.1f} deg off, as the accelerometer shows")
     if memory.turns >= MOST_TURNS:
         off = f"still {abs(degrees(off_rad)):.1f} deg off after a correction"
-        return Verdict(failed=f"{off}, more than {degrees(done.within):g} deg")
+        return Verdict(failed=f"{off}, more than {degrees(wanted.within):g} deg")
     return _turned(robot, memory.slot, turns * (memory.target_rad - held_rad), roll_rad)
 
 
@@ -176,7 +176,7 @@ def _force(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Vector:
     return surveyor.force_in_pipe(part, sensing.numbers, *robot.body.rows)
 
 
-def _too_steep(felt: Sequence[Vector], done: AlignedSpec) -> str:
+def _too_steep(felt: Sequence[Vector], wanted: AngleSet) -> str:
     """Return why the roll is too uncertain in so steep a pipe; empty where it is not.
 
     A part that turns sideways out of the pipe's axis by a small angle shows a roll that is wrong by
@@ -190,10 +190,10 @@ def _too_steep(felt: Sequence[Vector], done: AlignedSpec) -> str:
     steep = f"impossible: the pipe is {degrees(slope_rad):z.0f} deg steep here"
     if across < _LEAST_ACROSS * GRAVITY_M_S2:
         return f"{steep}, and in more than 60 deg gravity shows no roll"
-    unsure_rad = done.leaning * tan(slope_rad)
-    if unsure_rad <= done.within:
+    unsure_rad = wanted.leaning * tan(slope_rad)
+    if unsure_rad <= wanted.within:
         return ""
     return (
-        f"{steep}; a part that leans by {degrees(done.leaning):g} deg in it shows its roll to"
-        f" {degrees(unsure_rad):z.1f} deg only, and {degrees(done.within):g} deg are asked for"
+        f"{steep}; a part that leans by {degrees(wanted.leaning):g} deg in it shows its roll to"
+        f" {degrees(unsure_rad):z.1f} deg only, and {degrees(wanted.within):g} deg are asked for"
     )

@@ -10,7 +10,7 @@ from math import copysign, cos, isnan, nan, sin
 from typing import NamedTuple, TypeAlias
 
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.robot.command_spec import (
+from pirate_sm.core._engine.robot.actuation_spec import (
     GripSpec,
     PositionSpec,
     SlotSpec,

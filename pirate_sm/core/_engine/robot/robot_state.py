@@ -7,10 +7,10 @@ from math import inf, isnan, nan
 from typing import Literal, NamedTuple
 
 from pirate_sm.core._engine.records import Numbers, often_replaced
-from pirate_sm.core._engine.robot.command_spec import PostureSpec, StageSpec
-from pirate_sm.core._engine.robot.criteria import CriterionSpec, settled_of
+from pirate_sm.core._engine.robot.actuation_spec import StageSpec
+from pirate_sm.core._engine.robot.done_criteria import Bound, CriterionSpec, near
 from pirate_sm.core._engine.robot.loops import Loops, RunningPositionLoop
-from pirate_sm.core._engine.robot.robot_spec import Configuration, RobotSpec
+from pirate_sm.core._engine.robot.robot_spec import Configuration, PostureSpec, RobotSpec
 from pirate_sm.core._geometry.space import Vector
 from pirate_sm.core._model.effects import StateChange
 
@@ -19,6 +19,8 @@ Purpose = Literal["gate", "loop", "stream", "stop"]
 POSTURE = -1
 """The stage in which the robot reaches the command's posture, before all other stages."""
 
+RESTORING = "resume"
+"""The place of a command that a resumed mission gives before it goes on."""
 
 STOPPED = -1
 """In place of a mark's command: a pause or a fault has stopped the wheels of the region."""
@@ -302,7 +304,7 @@ def next_deadline(robot: RobotSpec, state: RobotState, nominal: bool) -> float:
     due_s = min(motion.deadline_s, resend_at_s)
     for criterion, since_s in criteria_of(robot, motion):
         if not isnan(since_s):
-            due_s = min(due_s, since_s + getattr(criterion, "for_s", 0.0))
+            due_s = min(due_s, since_s + criterion.for_s)
     return due_s
 
 
@@ -320,9 +322,19 @@ def criterion_of(robot: RobotSpec, motion: Motion) -> CriterionSpec:
 def criteria_of(robot: RobotSpec, motion: Motion) -> tuple[tuple[CriterionSpec, float], ...]:
     """Return each criterion that shows the present stage done, and when it became true, or NaN."""
     done = criterion_of(robot, motion)
-    settled = settled_of(done)
     alone = ((done, motion.since_s),)
-    return alone if settled is None else (*alone, (settled, motion.settled_s))
+    return alone if done.settled is None else (*alone, (done.settled, motion.settled_s))
+
+
+def posture_bounds(robot: RobotSpec, state: RobotState, motion: Motion) -> tuple[Bound, ...]:
+    """Return where the joints must be in the posture under way; none outside of one."""
+    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
+    if posture is None:
+        return ()
+    return tuple(  # the tolerance of a posture may be NaN
+        near(loop.angle, loop.target_rad, max(loop.spec.threshold_rad, posture.within_rad))
+        for loop in state.seekers
+    )
 
 
 def known_values(values: Numbers, numbers: Numbers, robot: RobotSpec) -> Numbers:

@@ -15,9 +15,8 @@ from math import inf, isnan, nan
 
 from pirate_sm.core._engine.moment import Moment, has_come
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.robot.command_spec import StageSpec
-from pirate_sm.core._engine.robot.criteria import CriterionSpec, ReachedSpec
-from pirate_sm.core._engine.robot.done_criteria import RESTORING, holds, posture_bounds
+from pirate_sm.core._engine.robot.actuation_spec import StageSpec
+from pirate_sm.core._engine.robot.done_criteria import CriterionSpec, JointsArrived
 from pirate_sm.core._engine.robot.duty_cycles import quantised
 from pirate_sm.core._engine.robot.loops import (
     Circumstances,
@@ -34,6 +33,7 @@ from pirate_sm.core._engine.robot.loops import (
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     POSTURE,
+    RESTORING,
     STOPPED,
     Flight,
     Mark,
@@ -41,6 +41,7 @@ from pirate_sm.core._engine.robot.robot_state import (
     Purpose,
     RobotState,
     known_values,
+    posture_bounds,
     posture_of,
     states_of,
 )
@@ -171,7 +172,7 @@ def is_done(
     robot: RobotSpec, state: RobotState, motion: Motion, done: CriterionSpec, sensing: Sensing
 ) -> bool:
     """Whether the stage in force is done; a posture also needs every joint at its angle."""
-    if motion.blind or not holds(done, sensing.numbers, state.values, state.loops):
+    if motion.blind or not done.holds(sensing.numbers, state.values, state.loops):
         return False
     return all(each.holds(sensing.numbers) for each in posture_bounds(robot, state, motion))
 
@@ -200,11 +201,11 @@ def unmoved_loops(
     which an earlier try has passed, finds its joints moved already.
     """
     passed = state.tried is not None and motion.stage < state.tried.stage
-    if passed or motion.place == RESTORING or not isinstance(done, ReachedSpec):
-        return ()
-    numbers, moved_rad, loops = sensing.numbers, done.moved_rad, state.seekers
-    unmoved = all(loop.unmoved(numbers, motion.origin, moved_rad) for loop in loops)
-    return loops if unmoved else ()
+    asked = () if passed or motion.place == RESTORING else done.asked(JointsArrived)
+    unmoved = asked and all(
+        loop.unmoved(sensing.numbers, motion.origin, asked[0].moved_rad) for loop in state.seekers
+    )
+    return state.seekers if unmoved else ()
 
 
 def pushed_harder(state: RobotState, unmoved: Loops) -> Loops:

@@ -16,9 +16,9 @@ from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.resuming.hypotheses import dark_way, denied, unproven
 from pirate_sm.core._engine.resuming.reconciling import changed
-from pirate_sm.core._engine.robot import commands, confirmation, robot_state
+from pirate_sm.core._engine.robot import commands, declared_states, robot_state
 from pirate_sm.core._engine.robot.command_outcome import doubt_grip
-from pirate_sm.core._engine.robot.confirmation import Before, LookResult
+from pirate_sm.core._engine.robot.declared_states import Before, LookResult
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import DECLARED, STOPPED, Mark, confirmed_parts
 from pirate_sm.core._engine.safety.faults import FoundFault
@@ -33,7 +33,7 @@ _LOST = {
 }
 
 
-def compare(moment: Moment, state: EngineState, look: confirmation.Look) -> EngineState:
+def compare(moment: Moment, state: EngineState, look: declared_states.Look) -> EngineState:
     """Continue the comparison of declared states and sensors; a contradiction ends the run."""
     state, seen = _compare(moment, state, look)
     state = state._replace(look=seen.look)
@@ -43,14 +43,14 @@ def compare(moment: Moment, state: EngineState, look: confirmation.Look) -> Engi
         return _decide(moment, state, look.before, seen)
     if seen.contradictions:
         return _refuse(moment, state, seen)
-    for part in confirmation.parts_left_open(moment.robot, state.robot):
+    for part in declared_states.parts_left_open(moment.robot, state.robot):
         moment.warn(f"the sensors do not show whether the {part} part holds")
     return state
 
 
 def see_again(moment: Moment, state: EngineState) -> EngineState:
     """Confirm the parts again whose sensors were not known, once they show that these hold."""
-    look = confirmation.seen_again(moment.robot, state.lapsed, state.robot)
+    look = declared_states.seen_again(moment.robot, state.lapsed, state.robot)
     if look is None:
         return state._replace(lapsed=None)
     state, seen = _compare(moment, state, look)
@@ -58,13 +58,13 @@ def see_again(moment: Moment, state: EngineState) -> EngineState:
 
 
 def _compare(
-    moment: Moment, state: EngineState, look: confirmation.Look
-) -> tuple[EngineState, confirmation.LookResult]:
+    moment: Moment, state: EngineState, look: declared_states.Look
+) -> tuple[EngineState, declared_states.LookResult]:
     """Return the result of a comparison, and the state without the marks that it confirms."""
     robot, body = moment.robot, state.robot
     numbers, diameter_m = state.sensing.numbers, moment.program.diameter_m
     strange = _changed_meanwhile(moment, state, look.before) if look.before else ()
-    seen = confirmation.look(robot, look, body, numbers, diameter_m, moment.now_s, strange)
+    seen = declared_states.look(robot, look, body, numbers, diameter_m, moment.now_s, strange)
     if seen.confirmed:
         before = robot_state.state_change(robot, body)
         body = body._replace(marks=body.marks - seen.confirmed)
@@ -75,7 +75,7 @@ def _compare(
     return state, seen
 
 
-def _refuse(moment: Moment, state: EngineState, seen: confirmation.LookResult) -> EngineState:
+def _refuse(moment: Moment, state: EngineState, seen: declared_states.LookResult) -> EngineState:
     """End the run because the sensors contradict the declared states.
 
     No array was sent. The safe array is sent only if wheels turn, because it would actuate clamps
@@ -85,8 +85,8 @@ def _refuse(moment: Moment, state: EngineState, seen: confirmation.LookResult) -
         f"the sensors contradict what is declared: {'; '.join(seen.contradictions)}. "
         "Say with --state REGION=STATE where the robot is"
     )
-    moment.emit(Fault(confirmation.CODE, message, "stop"))
-    cause = f"{confirmation.CODE}: {message}"
+    moment.emit(Fault(declared_states.CODE, message, "stop"))
+    cause = f"{declared_states.CODE}: {message}"
     if not seen.turning:
         moment.emit(Ended("fault", cause, ""))
         return state._replace(mission=state.mission._replace(ended=True))
@@ -119,7 +119,7 @@ def begin_again(
         known = Before(before.sensing, before.robot, away_s, resumes)
     if state.robot.sent and mission.diverting is None:
         state = _hold(moment, state, report.code)
-    return state._replace(look=confirmation.begin(robot, state.robot, moment.now_s, known))
+    return state._replace(look=declared_states.begin(robot, state.robot, moment.now_s, known))
 
 
 def _hold(moment: Moment, state: EngineState, code: str) -> EngineState:

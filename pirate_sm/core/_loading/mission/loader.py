@@ -18,8 +18,9 @@ from pydantic import ValidationError
 
 from pirate_sm.core import library
 from pirate_sm.core._engine.mission.program import Program
-from pirate_sm.core._engine.robot.criteria import CriterionSpec, HeldSpec, LoadSpec, StalledSpec
+from pirate_sm.core._engine.robot.done_criteria import CriterionSpec, TorqueBorne
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
+from pirate_sm.core._engine.robot.state_signs import HeldSpec
 from pirate_sm.core._geometry.chain import holding_nm
 from pirate_sm.core._geometry.network import tilted_up
 from pirate_sm.core._geometry.space import GRAVITY_M_S2, dot
@@ -342,18 +343,20 @@ def _asked_of(criterion: CriterionSpec, least_nm: Mapping[int, float]) -> Criter
 
     A criterion that names a torque instead of a share means just that torque.
     """
-    if not (isinstance(criterion, StalledSpec) and any(it.full_nm for it in criterion.loads)):
+    if not any(it.full_nm for it in criterion.asked(TorqueBorne)):
         return criterion
-    settled = criterion.settled
-    if settled is not None:
-        settled = settled._replace(loads=_raised(settled.loads, least_nm))
-    return criterion._replace(loads=_raised(criterion.loads, least_nm), settled=settled)
+    raised = _raised(criterion, least_nm)
+    return replace(raised, settled=criterion.settled and _raised(criterion.settled, least_nm))
 
 
-def _raised(loads: tuple[LoadSpec, ...], least_nm: Mapping[int, float]) -> tuple[LoadSpec, ...]:
-    return tuple(
-        each._replace(least_nm=max(each.least_nm, least_nm.get(each.torque, 0.0))) for each in loads
+def _raised(criterion: CriterionSpec, least_nm: Mapping[int, float]) -> CriterionSpec:
+    demands = tuple(
+        each._replace(least_nm=max(each.least_nm, least_nm.get(each.torque, 0.0)))
+        if isinstance(each, TorqueBorne)
+        else each
+        for each in criterion.demands
     )
+    return replace(criterion, demands=demands)
 
 
 def _held(held: HeldSpec, least_nm: Mapping[int, float]) -> HeldSpec:

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import degrees, inf
 
-from pirate_sm.core._engine.robot.command_spec import (
-    CommandSpec,
+from pirate_sm.core._engine.robot.actuation_spec import (
     PositionSpec,
     SlotSpec,
     StageSpec,
@@ -16,8 +15,8 @@ from pirate_sm.core._engine.robot.command_spec import (
     WheelTorqueSpec,
     Write,
 )
-from pirate_sm.core._engine.robot.criteria import AlignedSpec
-from pirate_sm.core._engine.robot.robot_spec import Actuation, ChartTable
+from pirate_sm.core._engine.robot.done_criteria import AngleSet
+from pirate_sm.core._engine.robot.robot_spec import Actuation, ChartTable, CommandSpec
 from pirate_sm.core._engine.sensing.body_spec import BodySpec, Imu, Vee
 from pirate_sm.core._geometry.space import GRAVITY_M_S2
 from pirate_sm.core._loading.problems import Path, Problems
@@ -410,9 +409,8 @@ def check_levelled(
 ) -> None:
     """Report commands that lead to a levelled state and are not done by its angle."""
     for number, spec in enumerate(commands):
-        slots = {slot for slot, _ in spec.done.slots} if isinstance(spec.done, AlignedSpec) else {}
-        levelled = {*_levelled(table, actuation, number)}
-        if not levelled <= {*slots}:
+        slots = {each.slot for each in spec.done.asked(AngleSet)}
+        if not slots.issuperset(_levelled(table, actuation, number)):
             message = (
                 f"{spec.name} levels a part, so its criterion must be `kind: aligned` with the"
                 " slot that turns it"

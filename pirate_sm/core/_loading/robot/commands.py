@@ -1,24 +1,17 @@
-"""Compile commands, held parts, rules of faults and of safety; names in criteria become indexes."""
+"""Compile commands, held parts, rules of faults and of safety."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import inf
 
 from pirate_sm.core._engine.mission.program import RuleSpec
-from pirate_sm.core._engine.robot.command_spec import CommandSpec, PostureSpec
-from pirate_sm.core._engine.robot.criteria import (
-    AcceptedSpec,
-    AlignedSpec,
-    BelowSpec,
-    CriterionSpec,
-    LoadSpec,
-    ReachedSpec,
-    StalledSpec,
-    StoppedSpec,
-    TurningSpec,
+from pirate_sm.core._engine.robot.robot_spec import (
+    ChartTable,
+    CommandSpec,
+    FaultSpec,
+    Owners,
+    PostureSpec,
 )
-from pirate_sm.core._engine.robot.robot_spec import ChartTable, FaultSpec, Owners
 from pirate_sm.core._engine.safety import rules as watched
 from pirate_sm.core._engine.sensing.board_spec import board_name
 from pirate_sm.core._expressions import (
@@ -31,10 +24,10 @@ from pirate_sm.core._expressions import (
 )
 from pirate_sm.core._expressions.tree import Not
 from pirate_sm.core._loading.problems import Path, Problems
+from pirate_sm.core._loading.robot.done_criteria import resolve_criterion
 from pirate_sm.core._loading.robot.signals import Signals
 from pirate_sm.core._model.faults import BuiltInFault
 from pirate_sm.core._model.mission import Mission
-from pirate_sm.core._model.robot import criteria
 from pirate_sm.core._model.robot import profile as model
 from pirate_sm.core.spelling import one_of
 from pirate_sm.core.units import (
@@ -45,7 +38,6 @@ from pirate_sm.core.units import (
     SPEED,
     TORQUE,
     Quantity,
-    describe,
 )
 
 
@@ -242,127 +234,6 @@ def is_true(condition: Expression | None, states: tuple[str, ...]) -> bool:
     return condition is not None and condition.evaluate((), states) is True
 
 
-def resolve_criterion(  # noqa: C901 - one case per kind
-    done: criteria.Criterion, signals: Signals, path: Path
-) -> CriterionSpec:
-    """Return the criterion with all names resolved to indexes."""
-    wheels = signals.wheels
-    match done:
-        case criteria.Accepted():
-            return AcceptedSpec()
-        case criteria.Stalled():
-            rates = tuple(
-                _rate(name, signals, (*path, "joints", number))
-                for number, name in enumerate(done.joints)
-            )
-            loads = tuple(
-                resolve_load(done, name, _torque(name, signals, at), signals, at)
-                for number, name in enumerate(done.loaded)
-                if (at := (*path, "loaded", number))
-            )
-            full = StalledSpec(rates, loads, done.still, done.for_s)
-            if done.settled is None or done.at_least is None:
-                return full
-            weak = tuple(each._replace(full_nm=0.0, least_nm=done.at_least) for each in loads)
-            return full._replace(settled=full._replace(loads=weak, for_s=done.settled))
-        case criteria.Reached():
-            for joint in signals.profile.body.joints if done.or_still is not None else ():
-                _rate(joint.name, signals, path)
-            still = done.or_still or 0.0
-            spec = ReachedSpec(still, done.loaded, done.for_s, moved_rad=done.moved)
-            if done.settled is None or done.at_least is None:
-                return spec
-            eased = spec._replace(loaded=0.0, for_s=done.settled, least_nm=done.at_least)
-            return spec._replace(settled=eased)
-        case criteria.Turning():
-            above = turning_rad_s(done, signals, path)
-            return TurningSpec(tuple((w.slot, w.speed) for w in wheels), above)
-        case criteria.Stopped():
-            return StoppedSpec(_speeds_of_parts(signals), done.below, done.for_s)
-        case criteria.Aligned():
-            pairs = [
-                _angle_slot(name, signals, (*path, "slots", number))
-                for number, name in enumerate(done.slots)
-            ]
-            return AlignedSpec(tuple(pair for pair in pairs if pair), done.within, done.leaning)
-        case criteria.Below():
-            numbers = tuple(
-                signals.number(name, (*path, "signals", number))
-                for number, name in enumerate(done.signals)
-            )
-            kinds = {name: signals.vocabulary.types.get(name) for name in done.signals}
-            for name, kind in kinds.items():
-                if isinstance(kind, NumberType) and kind.dimension != done.limit.dimension:
-                    signals.problems.add(
-                        "robot.criterion",
-                        (*path, "limit"),
-                        f"'{name}' is {kind}, and this is {describe(done.limit.dimension)}",
-                    )
-                    break  # the other signals have the same limit
-            return BelowSpec(numbers, done.limit.value, done.for_s)
-
-
-def turning_rad_s(done: criteria.Turning, signals: Signals, path: Path) -> float:
-    """Return the speed above which a wheel turns; report motors without one."""
-    if done.share is None:
-        return done.above or 0.0
-    profile = signals.profile
-    motors = [profile.motors[slot.motor] for slot in profile.slots if slot.wheel is not None]
-    if any(motor.no_load_speed is None for motor in motors):
-        message = "a `share` needs the `no_load_speed` of the motors of all wheels"
-        signals.problems.add("robot.criterion", (*path, "share"), message)
-    return done.share * min((motor.no_load_speed or inf for motor in motors), default=inf)
-
-
-def resolve_load(
-    load: criteria.Load, joint: str, torque: int, signals: Signals, path: Path
-) -> LoadSpec:
-    """Return the torque that a joint must bear, with this number index; report a missing motor."""
-    profile = signals.profile
-    slot = next((at for at, each in enumerate(profile.slots) if each.joint == joint), -1)
-    motor = profile.motors.get(profile.slots[slot].motor) if slot >= 0 else None
-    if load.share is None or motor is None:
-        return LoadSpec(torque, slot, 0.0, load.torque or inf)
-    if motor.stall_torque is None:
-        message = f"a `share` needs the `stall_torque` of the motor of '{joint}'"
-        signals.problems.add("robot.criterion", path, message)
-        return LoadSpec(torque, slot, 0.0, inf)
-    return LoadSpec(torque, slot, load.share * motor.stall_torque, load.at_least or 0.0)
-
-
-def _speeds_of_parts(signals: Signals) -> tuple[tuple[int, ...], ...]:
-    """Return the number indexes of the wheels' speeds, part by part."""
-    wheels = signals.profile.body.wheels
-    return tuple(
-        tuple(spec.speed for spec in signals.wheels if wheels[spec.place].part == part)
-        for part in dict.fromkeys(wheel.part for wheel in wheels)
-    )
-
-
-def _rate(name: str, signals: Signals, path: Path) -> int:
-    rate = signals.rate_of(name)
-    if rate < 0:
-        message = f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}"
-        signals.problems.add("robot.criterion", path, message)
-    return rate
-
-
-def _torque(name: str, signals: Signals, path: Path) -> int:
-    for place, joint in enumerate(signals.profile.body.joints):
-        if joint.name == name and joint.torque is not None:
-            return signals.number(joint.torque, ("body", "joints", place, "torque"))
-    signals.problems.add("robot.criterion", path, f"'{name}' is not a joint with a torque signal")
-    return -1
-
-
-def _angle_slot(name: str, signals: Signals, path: Path) -> tuple[int, int] | None:
-    for index, slot in enumerate(signals.profile.slots):
-        if slot.name == name and slot.unit == "angle" and slot.roll:
-            return index, signals.number(slot.roll, path)
-    signals.problems.add("robot.criterion", path, f"'{name}' is not a slot that takes an angle")
-    return None
-
-
 def resolve_rules(
     profile: model.Profile, table: ChartTable, problems: Problems
 ) -> tuple[RuleSpec, ...]:
@@ -401,7 +272,7 @@ def rules_for(mission: Mission, rules: tuple[RuleSpec, ...]) -> tuple[RuleSpec, 
 
 
 def _rule(
-    rule: criteria.SafetyRule, vocabulary: Vocabulary, path: Path, problems: Problems
+    rule: model.SafetyRule, vocabulary: Vocabulary, path: Path, problems: Problems
 ) -> RuleSpec | None:
     key = next(key for key in ("always", "never", "expect") if getattr(rule, key) is not None)
     text: str = getattr(rule, key)

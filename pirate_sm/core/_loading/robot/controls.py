@@ -7,19 +7,19 @@ from dataclasses import dataclass
 from math import inf, nan
 from typing import NamedTuple
 
-from pirate_sm.core._engine.robot.command_spec import (
-    GripSpec,
+from pirate_sm.core._engine.robot.actuation_spec import GripSpec, SlotSpec, StageSpec, Write
+from pirate_sm.core._engine.robot.robot_spec import (
+    USUAL,
+    Actuation,
+    ChartTable,
+    ControlSpec,
     PostureSpec,
-    SlotSpec,
-    StageSpec,
-    Write,
 )
-from pirate_sm.core._engine.robot.criteria import AcceptedSpec, CriterionSpec
-from pirate_sm.core._engine.robot.robot_spec import USUAL, Actuation, ChartTable, ControlSpec
 from pirate_sm.core._geometry.space import GRAVITY_M_S2
 from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.actuation import Slots, resolve_stage
-from pirate_sm.core._loading.robot.commands import is_true, on_states, resolve_criterion
+from pirate_sm.core._loading.robot.commands import is_true, on_states
+from pirate_sm.core._loading.robot.done_criteria import resolve_criterion
 from pirate_sm.core._loading.robot.signals import Signals
 from pirate_sm.core._model.robot import signals as kinds
 from pirate_sm.core._model.robot.actuation import Control, Grip, Level, PostureCase, Share, Target
@@ -327,8 +327,9 @@ def _posture(robot: _Postures, name: str, cases: tuple[PostureCase, ...]) -> ByC
 
 
 def _case(robot: _Postures, name: str, case: PostureCase, at: Path) -> PostureSpec:
+    done = resolve_criterion(case.done, robot.signals, (*at, "done"))
     if case.refuse is not None:
-        return PostureSpec(name, (), AcceptedSpec(), refuse=case.refuse)
+        return PostureSpec(name, (), done, refuse=case.refuse)
     written = case.set_ or {}
     for slot in written:
         each = next((each for each in robot.signals.profile.slots if each.name == slot), None)
@@ -337,10 +338,6 @@ def _case(robot: _Postures, name: str, case: PostureCase, at: Path) -> PostureSp
             robot.signals.problems.add("robot.posture", (*at, "set", slot), message, key=True)
     writes = resolve_stage(written, robot.signals, robot.slots, (*at, "set"))
     within_rad = nan if case.within is None else case.within
-    done: CriterionSpec = AcceptedSpec()
-    if case.done is not None:
-        path: Path = (*at, "done")
-        done = resolve_criterion(case.done, robot.signals, path)
     return PostureSpec(name, writes, done, within_rad)
 
 

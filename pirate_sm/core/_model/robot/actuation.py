@@ -20,7 +20,7 @@ from pirate_sm.core._model.quantities import (
     written_ratio,
 )
 from pirate_sm.core._model.quantities import Speed as SlipSpeed
-from pirate_sm.core._model.robot.criteria import Criterion
+from pirate_sm.core._model.robot.done_criteria import Criterion
 from pirate_sm.core.units import ANGLE, DIMENSIONLESS, SPEED, TORQUE, QuantityError, parse_quantity
 
 

@@ -7,7 +7,7 @@ from math import isnan
 import pytest
 from driving import BOTH_CLAMPED, IDLE, REAR_CLAMPED, command
 
-from pirate_sm.core._engine.robot.criteria import NOTHING, Evidence
+from pirate_sm.core._engine.robot.evidence import NOTHING, Evidence
 from pirate_sm.core._engine.robot.robot_state import DENIED
 from pirate_sm.core._model import events as ev
 

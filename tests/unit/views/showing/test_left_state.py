@@ -5,7 +5,7 @@ import io
 import pytest
 
 from pirate_sm.cli.output.event_lines import EventLines, ObservedRun
-from pirate_sm.core._engine.robot.criteria import NOTHING
+from pirate_sm.core._engine.robot.evidence import NOTHING
 from pirate_sm.core._engine.robot.robot_state import DENIED
 from pirate_sm.core.engine import Evidence
 from pirate_sm.core.robot import Mark

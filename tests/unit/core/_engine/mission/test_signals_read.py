@@ -8,7 +8,7 @@ import pytest
 from driving import IDLE, PIRATE
 
 from pirate_sm.core._engine.mission.program import DRIVEN, signals_read, slip_watched
-from pirate_sm.core._engine.robot.criteria import BelowSpec
+from pirate_sm.core._engine.robot.done_criteria import Bound, CriterionSpec, only
 from pirate_sm.core._expressions import compile_condition
 
 WAITS = "wait: [{operator: stop, go: stopped}]"
@@ -60,7 +60,8 @@ def test_a_fault_rule_reads_its_condition(read):
 def test_a_criterion_reads_its_signals(read):
     def judged(robot):
         index = robot.vocabulary.numbers.index("slip_speed_1")
-        command = replace(robot.commands[0], done=BelowSpec((index,), 0.01, 0.0))
+        done = CriterionSpec("below", "", "", (only(Bound(index, "<", 0.01)),))
+        command = replace(robot.commands[0], done=done)
         return replace(robot, commands=(command, *robot.commands[1:]))
 
     assert "slip_speed_1" in read(change=judged)

@@ -15,7 +15,7 @@ from pirate_sm.core._engine.resuming.reconciling import (
     Word,
     adoptable,
 )
-from pirate_sm.core._engine.robot.confirmation import declared_in
+from pirate_sm.core._engine.robot.declared_states import declared_in
 from pirate_sm.core._engine.robot.robot_state import DECLARED, Mark
 
 NEWT = "tests/robots/newt"

@@ -17,7 +17,6 @@ from driving import (
 
 from pirate_sm.core._engine.resuming.hypotheses import hypotheses
 from pirate_sm.core._engine.resuming.reconciling import adoptable, changed, reconcile, turning
-from pirate_sm.core._engine.robot.criteria import StandingSpec
 from pirate_sm.core._engine.robot.robot_state import DECLARED, DENIED, states_of
 from pirate_sm.core._model.events import FaultReport
 
@@ -152,10 +151,11 @@ def test_other_places_than_the_recorded_one_may_be_looked_at(clamped):
 def test_a_wheel_turns_from_the_limit_on(clamped):
     speed = clamped.robot.wheels[0].speed
     limits = {
-        spec.below
+        sign.bound.limit
         for states in clamped.robot.sight.states
         for spec in states.values()
-        if isinstance(spec, StandingSpec) and speed in spec.speeds
+        for sign in spec.signs
+        if spec.kind == "stopped" and sign.bound.signal == speed
     }
     numbers = [0.0] * len(clamped.robot.vocabulary.numbers)
 

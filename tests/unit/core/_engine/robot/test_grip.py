@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._engine.robot.command_spec import (
+from pirate_sm.core._engine.robot.actuation_spec import (
     GripSpec,
     TorqueSpec,
     VelocitySpec,

@@ -15,7 +15,7 @@ from driving import (
     command,
 )
 
-from pirate_sm.core._engine.robot.done_criteria import RESTORING
+from pirate_sm.core._engine.robot.robot_state import RESTORING
 from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._engine.robot.command_spec import TorqueSpec
+from pirate_sm.core._engine.robot.actuation_spec import TorqueSpec
 from pirate_sm.core._engine.robot.loops import Circumstances, RunningTorqueLoop
 
 SPEC = TorqueSpec(

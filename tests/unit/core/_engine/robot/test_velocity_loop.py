@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._engine.robot.command_spec import VelocitySpec
+from pirate_sm.core._engine.robot.actuation_spec import VelocitySpec
 from pirate_sm.core._engine.robot.loops import Circumstances, RunningVelocityLoop
 
 SPEC = VelocitySpec(gain=0.3, limit=1.0, no_load_rad_s=5.0, speed=0, radius_m=0.02)

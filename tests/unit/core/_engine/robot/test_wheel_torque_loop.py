@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._engine.robot.command_spec import WheelTorqueSpec
+from pirate_sm.core._engine.robot.actuation_spec import WheelTorqueSpec
 from pirate_sm.core._engine.robot.loops import Circumstances, WheelTorqueLoop
 
 SPEC = WheelTorqueSpec(stall_torque_nm=0.2, no_load_rad_s=5.0, speed=0)

@@ -5,6 +5,7 @@ from math import sqrt
 import pytest
 
 from pirate_sm.core import library
+from pirate_sm.core._engine.robot.done_criteria import TorqueBorne
 from pirate_sm.core._loading.mission.loader import holding_in, load_mission
 
 LEG_M, HEIGHT_M, FRICTION, WEIGHT_N = 0.09, 0.072, 0.7, 0.79 * 9.81
@@ -13,7 +14,7 @@ LEG_M, HEIGHT_M, FRICTION, WEIGHT_N = 0.09, 0.072, 0.7, 0.79 * 9.81
 def least_nm(loaded, command="ClampFront"):
     """The least torque of each joint that the command's criterion asks for, without a share."""
     done = loaded.robot.commands[loaded.robot.table.command_index[command]].done
-    return [load.least_nm for load in done.settled.loads]
+    return [load.least_nm for load in done.settled.asked(TorqueBorne)]
 
 
 @pytest.mark.parametrize(("pipe", "slope"), [("vertical", 1.0), ("straight_turning", 1.0)])
@@ -39,5 +40,5 @@ def test_a_profile_that_names_a_torque_means_it(loaded_newt):
     absolute = loaded_newt("profile.yaml", swap)
     robot = holding_in(absolute.normal, absolute.profile, None)
     held = robot.commands[robot.table.command_index["HoldNose"]].done
-    assert [(load.full_nm, load.least_nm) for load in held.loads] == [(0.0, 0.25)]
+    assert [(load.full_nm, load.least_nm) for load in held.asked(TorqueBorne)] == [(0.0, 0.25)]
     assert held.settled is None

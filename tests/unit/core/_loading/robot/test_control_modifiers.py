@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core._engine.robot.command_spec import GripSpec, Write
+from pirate_sm.core._engine.robot.actuation_spec import GripSpec, Write
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._loading.problems import LoadError
 from pirate_sm.core._loading.robot.loader import load_robot

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core._engine.robot.criteria import StalledSpec
+from pirate_sm.core._engine.robot.done_criteria import TorqueBorne
 from pirate_sm.core._loading.robot.commands import constants_of
 from pirate_sm.core._loading.robot.loader import (
     LoadedRobot,
@@ -52,8 +52,9 @@ def test_each_joint_may_have_a_motor_of_its_own(twin_file: Path) -> None:
     assert given["gamma_1"].stiffness == PROFILE.motors["bend"].stiffness
     fitted = with_fitted(ROBOT, parse_document(twin_file.read_text(), "twin.yaml"))
     done = fitted.normal.commands[fitted.table.commands.index("ClampRear")].done
-    assert isinstance(done, StalledSpec)
-    assert [load.full_nm for load in done.loads] == pytest.approx([0.7 * 0.487, 0.7 * 0.237])
+    assert [load.full_nm for load in done.asked(TorqueBorne)] == pytest.approx(
+        [0.7 * 0.487, 0.7 * 0.237]
+    )
 
 
 @pytest.mark.parametrize(
@@ -92,11 +93,11 @@ def test_belief_in_a_fit_reaches_what_a_clamp_asks_for_and_conditions_of_mission
     weak = fitted("motors: {bend: {stall_torque: 0.5 Nm}}")
 
     clamp, assumed = (
-        next(each.done for each in robot.normal.commands if isinstance(each.done, StalledSpec))
+        next(found for each in robot.normal.commands if (found := each.done.asked(TorqueBorne)))
         for robot in (weak, ROBOT)
     )
-    assert [load.full_nm for load in clamp.loads] == pytest.approx([0.35, 0.35])
-    assert [load.least_nm for load in clamp.loads] == [load.least_nm for load in assumed.loads]
+    assert [load.full_nm for load in clamp] == pytest.approx([0.35, 0.35])
+    assert [load.least_nm for load in clamp] == [load.least_nm for load in assumed]
     assert constants_of(weak.believed)["gamma_1_stall"].value == 0.5
 
 

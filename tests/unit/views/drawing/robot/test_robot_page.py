@@ -9,7 +9,6 @@ import pytest
 
 from pirate_sm.core.loading import load_robot
 from pirate_sm.core.spelling import listed
-from pirate_sm.views.drawing.mission_words import done_when
 from pirate_sm.views.drawing.robot_page import (
     Heading,
     PageTable,
@@ -72,8 +71,9 @@ def test_only_the_command_that_may_open_the_last_clamp_says_so(robot):
 
 
 def test_each_command_is_done_when_something_shows_it(robot):
+    angles = {slot.name: "its angle" for slot in robot.profile.slots}
     for name, command in robot.profile.commands.items():
-        text = done_when(robot.profile, command.done)
+        text = command.done.told(angles)
         assert len(text) > 20, name
         assert not text.endswith(" ")
 

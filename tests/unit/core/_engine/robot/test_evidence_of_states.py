@@ -5,7 +5,13 @@ from __future__ import annotations
 import pytest
 from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, command
 
-from pirate_sm.core._engine.robot.criteria import NOTHING, Evidence
+from pirate_sm.core._engine.robot.evidence import (
+    NOTHING,
+    Evidence,
+    Proofs,
+    proofs_after,
+    proofs_at_start,
+)
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DECLARED,
@@ -16,7 +22,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     RobotState,
     at_rest_in,
 )
-from pirate_sm.core._engine.robot.sensor_verdict import Proofs, proofs_after, proofs_at_start
 
 THEN, NOW = Evidence("sensor", 1.0, 0), Evidence("sensor", 9.0, 2)
 FRONT = Mark("part", 0, DECLARED)

@@ -8,9 +8,8 @@ from dataclasses import replace
 import pytest
 from driving import BOTH_CLAMPED, DRIVING_FORWARD, IDLE, NEWT, PIRATE, REAR_CLAMPED, Driver, command
 
-from pirate_sm.core._engine.robot import confirmation
-from pirate_sm.core._engine.robot.confirmation import Before, Look, LookResult, Watched
-from pirate_sm.core._engine.robot.criteria import Sight
+from pirate_sm.core._engine.robot import declared_states
+from pirate_sm.core._engine.robot.declared_states import Before, Look, LookResult, Watched
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DECLARED,
@@ -21,6 +20,7 @@ from pirate_sm.core._engine.robot.robot_state import (
     RobotState,
     at_rest_in,
 )
+from pirate_sm.core._engine.robot.state_signs import Sight
 from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
@@ -465,7 +465,7 @@ class TestExactly:
         driving = self.body_in(robot, DRIVING_FORWARD)
         assert any(driving.values[slot] for slot in robot.safe_zero)
 
-        body = confirmation.declared_in(robot, driving.configuration)
+        body = declared_states.declared_in(robot, driving.configuration)
 
         wheels = set(robot.safe_zero)
         assert body.values == tuple(
@@ -483,7 +483,7 @@ class TestExactly:
         others = [front._replace(command=each) for each in (STOPPED, DENIED, LAPSED, 3)]
         body = self.body_in(robot, BOTH_CLAMPED, front, light, *others)
 
-        look = confirmation.begin(robot, body, 10.0)
+        look = declared_states.begin(robot, body, 10.0)
 
         assert [each.mark for each in look.marks] == [front]
         assert look.until_s == 10.0 + robot.sight.within_s
@@ -494,8 +494,8 @@ class TestExactly:
         body = self.body_in(robot, BOTH_CLAMPED, self.region(robot, "LightingState"))
         before = Before(drive(IDLE).state.sensing, body, 2.0, resumes=False)
 
-        assert confirmation.begin(robot, body, 10.0) is None
-        look = confirmation.begin(robot, body, 10.0, before)
+        assert declared_states.begin(robot, body, 10.0) is None
+        look = declared_states.begin(robot, body, 10.0, before)
         assert (look.marks, look.before) == ((), before)
 
     def test_a_part_whose_sensors_were_not_known_is_looked_at_without_an_end(self, robot):
@@ -503,37 +503,39 @@ class TestExactly:
         declared = Mark("part", 1, DECLARED)
         body = self.body_in(robot, BOTH_CLAMPED, front, declared)
 
-        first = confirmation.seen_again(robot, None, body)
+        first = declared_states.seen_again(robot, None, body)
         assert first.until_s == math.inf
         assert first.marks == (Watched(front),)
         seen = first._replace(marks=(Watched(front, agrees_s=9.0),))
-        later = confirmation.seen_again(robot, seen, body._replace(marks=frozenset({front, rear})))
+        later = declared_states.seen_again(
+            robot, seen, body._replace(marks=frozenset({front, rear}))
+        )
         assert later.marks == (Watched(front, agrees_s=9.0), Watched(rear))
         nothing = body._replace(marks=frozenset({declared}))
-        assert confirmation.seen_again(robot, first, nothing) is None
+        assert declared_states.seen_again(robot, first, nothing) is None
 
     def test_an_echo_confirms_only_what_is_declared_and_has_no_other_sensor(self, robot):
         light, front = self.region(robot, "LightingState"), self.region(robot, "FrontWheelsState")
         body = self.body_in(robot, BOTH_CLAMPED, light, front)
 
-        assert confirmation.awaiting(robot, body) == {light}
-        assert confirmation.accepted(robot, body).marks == {front}
+        assert declared_states.awaiting(robot, body) == {light}
+        assert declared_states.accepted(robot, body).marks == {front}
         toggling = body._replace(marks=frozenset({light._replace(command=3)}))
-        assert confirmation.awaiting(robot, toggling) == frozenset()
-        assert confirmation.accepted(robot, toggling) is toggling
+        assert declared_states.awaiting(robot, toggling) == frozenset()
+        assert declared_states.accepted(robot, toggling) is toggling
 
     @pytest.mark.parametrize(("how", "confirmed"), [("set", False), ("keep", True)])
     def test_an_array_that_sets_it_otherwise_confirms_nothing(self, robot, how, confirmed):
         light = self.region(robot, "LightingState")
         body = self.body_in(robot, BOTH_CLAMPED | {"LightingState": "On"}, light)
-        assert confirmation.accepted(robot, body).marks == frozenset()
+        assert declared_states.accepted(robot, body).marks == frozenset()
         actuation = list(robot.actuation)
         *others, last = body.stages(robot, light.which, "On")
         changed = tuple(write._replace(how=how, value=write.value + 1.0) for write in last)
         actuation[light.which] = dict(actuation[light.which]) | {"On": (*others, changed)}
         robot = replace(robot, actuation=tuple(actuation))
 
-        assert (not confirmation.accepted(robot, body).marks) == confirmed
+        assert (not declared_states.accepted(robot, body).marks) == confirmed
 
     def test_only_parts_that_are_declared_are_left_open(self, robot):
         marks = (
@@ -543,7 +545,7 @@ class TestExactly:
         )
         body = self.body_in(robot, BOTH_CLAMPED, *marks)
 
-        assert confirmation.parts_left_open(robot, body) == ("rear",)
+        assert declared_states.parts_left_open(robot, body) == ("rear",)
 
 
 class TestLookingAtAStrangeRobot:
@@ -562,10 +564,10 @@ class TestLookingAtAStrangeRobot:
         body = driver.state.robot
         body = body if marks is None else body._replace(marks=frozenset(marks))
         numbers = driver.state.sensing.numbers
-        return confirmation.look(driver.robot, before, body, numbers, None, now, strange)
+        return declared_states.look(driver.robot, before, body, numbers, None, now, strange)
 
     def begun(self, driver: Driver) -> Look:
-        return confirmation.begin(driver.robot, driver.state.robot, 10.0)
+        return declared_states.begin(driver.robot, driver.state.robot, 10.0)
 
     def test_nothing_is_confirmed_until_it_is_known_again_or_known_to_be_another(self, holding):
         assert max(each.for_s for each in holding.robot.sight.parts) == self.FOR_S

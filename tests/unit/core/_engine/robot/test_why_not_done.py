@@ -8,50 +8,52 @@ from driving import IDLE, command
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core._engine.robot.command_spec import PositionSpec
-from pirate_sm.core._engine.robot.criteria import (
-    AcceptedSpec,
-    AlignedSpec,
-    BelowSpec,
-    LoadSpec,
-    ReachedSpec,
-    StalledSpec,
-    StoppedSpec,
-    TurningSpec,
+from pirate_sm.core._engine.robot.actuation_spec import PositionSpec
+from pirate_sm.core._engine.robot.done_criteria import (
+    AngleSet,
+    Bound,
+    CriterionSpec,
+    JointsArrived,
+    TorqueBorne,
+    WheelTurning,
+    only,
+    standing,
 )
-from pirate_sm.core._engine.robot.done_criteria import criterion_tree, holds
 from pirate_sm.core._engine.robot.loops import RunningPositionLoop
 from pirate_sm.core._expressions import BooleanType, Expression
 from pirate_sm.core._model.events import Abort
 
 LOOP = RunningPositionLoop(0, 0, 1, 2, PositionSpec(1.0, 0.5, 0.1, 1.0, 2.0), 1.0)
 
-CRITERIA = [
-    AcceptedSpec(),
-    StalledSpec((0, 1), (LoadSpec(2, 0, 0.7, 0.4),), 0.5, 0.3),
-    ReachedSpec(0.5, 0.4, 0.3),
-    ReachedSpec(0.5, 0.0, 0.3, least_nm=0.4),
-    TurningSpec(((0, 1), (1, 2)), 0.5),
-    StoppedSpec(((0, 1), (2,)), 0.5, 0.3),
-    AlignedSpec(((0, 1), (1, 2)), 0.5),
-    BelowSpec((0, 2), 0.5, 0.3),
-]
+CRITERIA = {
+    "accepted": (),
+    "stalled": (*(only(Bound(at, "<", 0.5)) for at in (0, 1)), TorqueBorne(2, 0, 0.7, 0.4)),
+    "reached": (JointsArrived(0.5, 0.4),),
+    "reached by a weak motor": (JointsArrived(0.5, 0.0, least_nm=0.4),),
+    "turning": (WheelTurning(((0, 1), (1, 2)), 0.5),),
+    "stopped": (*standing((0, 1), 0.5), *standing((2,), 0.5)),
+    "aligned": (AngleSet(0, 1, 0.5), AngleSet(1, 2, 0.5)),
+    "below": tuple(only(Bound(at, "<", 0.5)) for at in (0, 2)),
+}
 
 numbers = st.tuples(*[st.sampled_from([nan, -1.0, -0.5, 0.0, 0.4, 0.5, 1.0])] * 3)
 setpoints = st.tuples(*[st.sampled_from([-1.0, 0.5, 1.0])] * 2)
 
 
-@pytest.mark.parametrize("criterion", CRITERIA, ids=lambda each: type(each).__name__)
+@pytest.mark.parametrize("kind", CRITERIA)
 @given(numbers=numbers, setpoints=setpoints)
-def test_a_criterion_holds_where_its_condition_in_chunks_is_true(criterion, numbers, setpoints):
-    condition = Expression("", BooleanType(), criterion_tree(criterion, setpoints, (LOOP,)))
+def test_a_criterion_holds_where_its_condition_in_chunks_is_true(kind, numbers, setpoints):
+    criterion = CriterionSpec(kind, "", "", CRITERIA[kind])
+    condition = Expression("", BooleanType(), criterion.condition(setpoints, (LOOP,)))
 
     expected = condition.evaluate(numbers, ()) is True
-    assert holds(criterion, numbers, setpoints, (LOOP,)) == expected
+    assert criterion.holds(numbers, setpoints, (LOOP,)) == expected
 
 
 def test_wheels_that_others_push_are_not_driven():
-    assert not holds(TurningSpec(((0, 1), (1, 2)), 0.5), (nan, 3.0, 3.0), (0.0, 0.0), ())
+    criterion = CriterionSpec("turning", "", "", CRITERIA["turning"])
+
+    assert not criterion.holds((nan, 3.0, 3.0), (0.0, 0.0), ())
 
 
 def clamping(drive, mission=IDLE):

@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 from pirate_sm.core._engine.moment import has_come
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.robot.criteria import AcceptedSpec, DrivenSpec, StandingSpec
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DECLARED,
@@ -28,16 +27,14 @@ from pirate_sm.core._engine.robot.robot_state import (
     at_rest_in,
     states_of,
 )
-from pirate_sm.core._engine.robot.sensor_verdict import spec_of, verdict
+from pirate_sm.core._engine.robot.state_signs import OF_WHEELS
+from pirate_sm.core._engine.robot.state_verdicts import SensorVerdict, kind_of, verdict
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._model.faults import BuiltInFault
 
 CODE = BuiltInFault.START_CONTRADICTED.code
 
 LOOKING = "the sensors are still being compared with the states that were declared"
-
-
-_NEVER_SHOWN = (AcceptedSpec, type(None))
 
 
 class Watched(NamedTuple):
@@ -48,6 +45,20 @@ class Watched(NamedTuple):
     against_s: float = nan
     told: str = ""
     for_s: float = 0.0
+
+    def after(self, shown: SensorVerdict, now: float, *, strange: bool = False) -> Watched:
+        """Return it with what sensors show now; while something is strange they agree with none."""
+        agrees_s = since(self.agrees_s, shown.agrees and not strange, now)
+        against_s = since(self.against_s, bool(shown.against), now)
+        return Watched(self.mark, agrees_s, against_s, shown.against, shown.for_s)
+
+    def is_confirmed(self, now: float) -> bool:
+        """Return whether the sensors have agreed for long enough."""
+        return has_come(now, self.agrees_s + self.for_s)
+
+    def is_denied(self, now: float) -> bool:
+        """Return whether they have contradicted it for long enough."""
+        return has_come(now, self.against_s + self.for_s)
 
 
 class Before(NamedTuple):
@@ -130,7 +141,7 @@ def begin(
     marks = tuple(
         Watched(mark)
         for mark in sorted(body.marks)
-        if mark.command == DECLARED and not isinstance(spec_of(robot, names, mark), _NEVER_SHOWN)
+        if mark.command == DECLARED and kind_of(robot, names, mark) not in ("", "accepted")
     )
     if not marks and before is None:
         return None
@@ -174,7 +185,7 @@ def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:
     return frozenset(
         mark
         for mark in body.marks
-        if mark.command == DECLARED and isinstance(spec_of(robot, names, mark), AcceptedSpec)
+        if mark.command == DECLARED and kind_of(robot, names, mark) == "accepted"
     )
 
 
@@ -222,20 +233,17 @@ def look(
         if each.mark not in body.marks:
             continue
         shown = verdict(robot, before.setpoints, body, each.mark, numbers, diameter_m)
-        agrees_s = since(each.agrees_s, shown.agrees and not strange, now)
-        against_s = since(each.against_s, bool(shown.against), now)
-        if has_come(now, agrees_s + shown.for_s):
+        watched = each.after(shown, now, strange=bool(strange))
+        if watched.is_confirmed(now):
             confirmed.add(each.mark)
         else:
-            open_.append(Watched(each.mark, agrees_s, against_s, shown.against, shown.for_s))
+            open_.append(watched)
     if (open_ or strange) and not over:
         following = before._replace(marks=tuple(open_), strange_s=strange_s)
         return LookResult(following, frozenset(confirmed))
-    wrong = [each for each in open_ if has_come(now, each.against_s + each.for_s)]
-    turning = any(
-        isinstance(spec_of(robot, states_of(robot, body), each.mark), StandingSpec | DrivenSpec)
-        for each in wrong
-    )
+    wrong = [each for each in open_ if each.is_denied(now)]
+    names = states_of(robot, body)
+    turning = any(kind_of(robot, names, each.mark) in OF_WHEELS for each in wrong)
     told = tuple(f"{_declared(robot, body, each.mark)}, but {each.told}" for each in wrong)
     return LookResult(None, frozenset(confirmed), strange or told, turning)
 

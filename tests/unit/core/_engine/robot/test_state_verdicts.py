@@ -8,21 +8,16 @@ from math import inf, nan
 import pytest
 from driving import IDLE, NEWT
 
-from pirate_sm.core._engine.robot.criteria import (
-    AcceptedSpec,
-    AnglesSpec,
-    DrivenSpec,
-    HeldSpec,
-    ImpliedSpec,
-    LoadedJoint,
-    StandingSpec,
-)
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import DECLARED, Mark, at_rest_in
-from pirate_sm.core._engine.robot.sensor_verdict import SensorVerdict, Shown, shown_by, verdict
+from pirate_sm.core._engine.robot.state_signs import HeldSpec, LoadedJoint, SeenSpec
+from pirate_sm.core._engine.robot.state_verdicts import SensorVerdict, Shown, shown_by, verdict
+from pirate_sm.core._loading.robot.seen_states import angles_shown, wheels_driven, wheels_stand
 
 GRIP, NOSE = Mark("region", 0, DECLARED), Mark("part", 0, DECLARED)
-TARGET = AnglesSpec(((0, 0.0),), within=0.25, beyond=0.5, for_s=1.5)
+TARGET = angles_shown(((0, 0.0),), within=0.25, beyond=0.5, for_s=1.5)
+
+IMPLIED = SeenSpec("implied", needs=())
 
 
 class Newt:
@@ -182,7 +177,7 @@ def test_a_clamp_is_seen_where_no_pipe_is_known_too(newt):
 
 @pytest.mark.parametrize(("apex", "told"), [(0.25, False), (-0.25, False), (0.26, True)])
 def test_an_apex_at_the_angle_of_the_declared_state_presses_on_nothing(newt, apex, told):
-    declared = AnglesSpec(((newt.apex, 0.0), (0, 5.0)), within=0.25, beyond=inf, for_s=1.5)
+    declared = angles_shown(((newt.apex, 0.0), (0, 5.0)), within=0.25, beyond=inf, for_s=1.5)
 
     found = newt.loose(grip=declared, apex=apex, torque=0.4, torque_2=0.0)
 
@@ -191,12 +186,12 @@ def test_an_apex_at_the_angle_of_the_declared_state_presses_on_nothing(newt, ape
 
 def test_another_angle_at_its_target_or_another_criterion_excuses_no_grip(newt):
     pressed = {"torque": 0.4, "torque_2": 0.0}
-    elsewhere = AnglesSpec(((newt.apex, 0.75), (0, 0.0)), within=0.125, beyond=inf, for_s=1.5)
+    elsewhere = angles_shown(((newt.apex, 0.75), (0, 0.0)), within=0.125, beyond=inf, for_s=1.5)
 
     assert "with which it may hold" in newt.loose(grip=elsewhere, **pressed).against
-    near = elsewhere._replace(within=0.25)
+    near = angles_shown(((newt.apex, 0.75), (0, 0.0)), within=0.25, beyond=inf, for_s=1.5)
     assert "with which it may hold" not in newt.loose(grip=near, **pressed).against
-    assert "with which it may hold" in newt.loose(grip=ImpliedSpec(), **pressed).against
+    assert "with which it may hold" in newt.loose(grip=IMPLIED, **pressed).against
 
 
 def test_where_a_part_is_declared_to_hold_its_torque_contradicts_no_region(newt):
@@ -218,7 +213,7 @@ def test_where_a_part_is_declared_to_hold_its_torque_contradicts_no_region(newt)
 def test_an_angle_near_its_target_is_seen_and_one_far_from_it_is_not(
     newt, angle, agrees, contradicts
 ):
-    spec = AnglesSpec(((newt.other, 0.0),), within=0.25, beyond=0.5, for_s=1.5)
+    spec = angles_shown(((newt.other, 0.0),), within=0.25, beyond=0.5, for_s=1.5)
 
     found = newt.loose(grip=spec, other=angle, torque=0.0, torque_2=0.0)
 
@@ -230,7 +225,7 @@ def test_an_angle_near_its_target_is_seen_and_one_far_from_it_is_not(
     [(0.24, True, False), (0.25, False, True), (-0.25, False, True), (nan, False, False)],
 )
 def test_a_wheel_stands_below_its_limit(newt, speed, agrees, contradicts):
-    spec = StandingSpec((newt.other,), below=0.25, for_s=1.5)
+    spec = wheels_stand((newt.other,), below=0.25, for_s=1.5)
 
     found = newt.verdict(GRIP, "NoseHeld", grip=spec, other=speed)
 
@@ -251,7 +246,7 @@ def test_a_wheel_stands_below_its_limit(newt, speed, agrees, contradicts):
 def test_a_driven_wheel_is_never_confirmed_and_contradicted_by_the_other_way(
     newt, way, speed, contradicts
 ):
-    spec = DrivenSpec(((newt.other, way),), above=0.25, for_s=1.5)
+    spec = wheels_driven(((newt.other, way),), above=0.25, for_s=1.5)
 
     found = newt.verdict(GRIP, "NoseHeld", grip=spec, other=speed)
 
@@ -259,9 +254,9 @@ def test_a_driven_wheel_is_never_confirmed_and_contradicted_by_the_other_way(
 
 
 def test_what_no_sensor_shows_is_neither_confirmed_nor_contradicted(newt):
-    assert newt.verdict(GRIP, "NoseHeld", grip=AcceptedSpec()) == SensorVerdict(False, "")
+    assert newt.verdict(GRIP, "NoseHeld", grip=SeenSpec("accepted")) == SensorVerdict(False, "")
     assert newt.verdict(GRIP, "TailHeld") == SensorVerdict(False, "")
-    assert newt.verdict(GRIP, "NoseHeld", grip=ImpliedSpec()) == SensorVerdict(True, "")
+    assert newt.verdict(GRIP, "NoseHeld", grip=IMPLIED) == SensorVerdict(True, "")
 
 
 class TestShown:
@@ -291,27 +286,28 @@ class TestShown:
         assert rows(newt.spec, None)[2][3] == f"the other parts {limit}"
 
     def test_of_angles(self, newt, rows):
-        spec = AnglesSpec(((2, 0.5),), within=0.25, beyond=0.5, for_s=1.5)
+        spec = angles_shown(((2, 0.5),), within=0.25, beyond=0.5, for_s=1.5)
 
         assert rows(spec) == [
             (newt.names[2], "0.1 deg", "28.8 deg", "29 deg within 14 deg, off beyond 29 deg")
         ]
-        assert rows(spec._replace(beyond=inf))[0][3] == "29 deg within 14 deg"
+        endless = angles_shown(((2, 0.5),), within=0.25, beyond=inf, for_s=1.5)
+        assert rows(endless)[0][3] == "29 deg within 14 deg"
 
     def test_of_wheels(self, newt, rows):
-        standing = StandingSpec((3,), below=0.25, for_s=1.5)
-        driven = DrivenSpec(((4, -1.0),), above=0.25, for_s=1.5)
+        standing = wheels_stand((3,), below=0.25, for_s=1.5)
+        driven = wheels_driven(((4, -1.0),), above=0.25, for_s=1.5)
 
         assert rows(standing) == [(newt.names[3], "0.00 rad/s", "0.50 rad/s", "below 0.25 rad/s")]
         limit = "not above 0.25 rad/s the other way"
         assert rows(driven) == [(newt.names[4], "0.00 rad/s", "0.50 rad/s", limit)]
 
-    @pytest.mark.parametrize("spec", [ImpliedSpec(), AcceptedSpec(), None])
+    @pytest.mark.parametrize("spec", [IMPLIED, SeenSpec("accepted"), None])
     def test_of_what_no_signal_decides(self, rows, spec):
         assert rows(spec) == []
 
     def test_an_unknown_value_is_said_to_be_so(self, newt):
-        spec = StandingSpec((0,), below=0.25, for_s=1.5)
+        spec = wheels_stand((0,), below=0.25, for_s=1.5)
         blind, seen = (nan,) * len(newt.names), (1.0,) * len(newt.names)
 
         assert shown_by(newt.robot, spec, blind, seen, None) == (
@@ -386,7 +382,7 @@ def test_grips_are_looked_for_only_where_a_region_of_the_part_is_declared(newt):
     [(1.25, True, False), (0.0, False, True), (1.5, False, False), (1.51, False, True)],
 )
 def test_an_angle_is_compared_with_its_target(newt, angle, agrees, contradicts):
-    spec = AnglesSpec(((newt.other, 1.0),), within=0.25, beyond=0.5, for_s=1.5)
+    spec = angles_shown(((newt.other, 1.0),), within=0.25, beyond=0.5, for_s=1.5)
 
     found = newt.verdict(GRIP, "NoseHeld", grip=spec, other=angle)
 

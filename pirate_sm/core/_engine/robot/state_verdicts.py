@@ -1,27 +1,23 @@
-"""Decide whether sensors confirm or contradict a state or a clamp, and record what showed it."""
+"""Whether sensors confirm or contradict a state or a clamp at one moment, and what shows it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Mapping
 from math import copysign, degrees, inf, isnan, nan
 from typing import NamedTuple
 
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.robot.criteria import (
-    NOTHING,
-    AcceptedSpec,
-    AnglesSpec,
-    DrivenSpec,
-    Evidence,
-    HeldSpec,
-    ImpliedSpec,
-    SeenSpec,
-    StandingSpec,
-    StoppedSpec,
-)
-from pirate_sm.core._engine.robot.done_criteria import holds
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.robot.robot_state import DECLARED, Mark, RobotState, states_of
+from pirate_sm.core._engine.robot.robot_state import Mark, RobotState, states_of
+from pirate_sm.core._engine.robot.state_signs import HeldSpec, SeenSpec
+
+_WRITTEN: Mapping[str, Callable[[float], str]] = {
+    "deg": lambda value: f"{degrees(value):z.0f} deg",
+    "rad/s": lambda value: f"{value:.2f} rad/s",
+    "mNm": lambda value: f"{value * 1000:.0f} mNm",
+    "mm": lambda value: f"{value * 1000:.0f} mm",
+}
+"""How values are shown, by their units there."""
 
 
 class SensorVerdict(NamedTuple):
@@ -58,6 +54,15 @@ def spec_of(robot: RobotSpec, names: tuple[str, ...], mark: Mark) -> SeenSpec | 
     return sight.states[mark.which].get(names[mark.which]) if sight.states else None
 
 
+def kind_of(robot: RobotSpec, names: tuple[str, ...], mark: Mark) -> str:
+    """Return the profile's word for how a declared state shows itself; ``held`` for a clamp.
+
+    It is empty where no sensor can show it.
+    """
+    spec = spec_of(robot, names, mark)
+    return "" if spec is None else "held" if isinstance(spec, HeldSpec) else spec.kind
+
+
 def verdict(
     robot: RobotSpec,
     setpoints: Numbers,
@@ -80,19 +85,18 @@ def verdict(
     if gripping is not None:
         return gripping
     spec = spec_of(robot, states_of(robot, body), mark)
-    match spec:
-        case HeldSpec():
-            return _held(robot, setpoints, body, spec, numbers, diameter_m)
-        case AnglesSpec():
-            return _angles(robot, spec, numbers)
-        case StandingSpec():
-            return _standing(robot, spec, numbers)
-        case DrivenSpec():
-            return _driven(robot, spec, numbers)
-        case ImpliedSpec():
-            return SensorVerdict(True, "")
-        case AcceptedSpec() | None:
-            return SensorVerdict(False, "")
+    if isinstance(spec, HeldSpec):
+        return _held(robot, setpoints, body, spec, numbers, diameter_m)
+    if spec is None:
+        return SensorVerdict(False, "")
+    agrees = spec.needs is not None and all(need.holds(numbers) for need in spec.needs)
+    against = [
+        f"{robot.vocabulary.numbers[sign.bound.signal]} shows "
+        f"{_WRITTEN[sign.unit](numbers[sign.bound.signal])}, {sign.otherwise}"
+        for sign in spec.signs
+        if sign.contradicts(numbers)
+    ]
+    return SensorVerdict(agrees, "; ".join(against), spec.for_s)
 
 
 def shown_by(
@@ -111,45 +115,30 @@ def shown_by(
         numbers: Signals now, SI.
         diameter_m: Inner diameter of the pipe; None where it is unknown.
     """
-    rows: list[tuple[int, float, str, str]] = []
-    match spec:
-        case HeldSpec():
-            slack = f"slack below {spec.slack * 1000:.0f} mNm"
-            rows = [
-                (it.torque, 1000, ".0f} mNm", f"{it.needed_nm * 1000:.0f} mNm or more, {slack}")
-                for it in spec.joints
-            ]
-            pipe = "the other parts" if diameter_m is None else f"{diameter_m * 1000:.0f} mm"
-            limit = f"{pipe} within {spec.span:.0%}, off beyond {spec.span_off:.0%}"
-            rows.append((spec.diameter, 1000, ".0f} mm", limit))
-        case AnglesSpec():
-            off = f", off beyond {degrees(spec.beyond):z.0f} deg" if spec.beyond < inf else ""
-            within = f"within {degrees(spec.within):z.0f} deg{off}"
-            rows = [
-                (angle, degrees(1), ".1f} deg", f"{degrees(target):z.0f} deg {within}")
-                for angle, target in spec.targets
-            ]
-        case StandingSpec():
-            limit = f"below {spec.below:g} rad/s"
-            rows = [(speed, 1, ".2f} rad/s", limit) for speed in spec.speeds]
-        case DrivenSpec():
-            limit = f"not above {spec.above:g} rad/s the other way"
-            rows = [(speed, 1, ".2f} rad/s", limit) for speed, _ in spec.wheels]
-        case ImpliedSpec() | AcceptedSpec() | None:
-            pass
+    rows: list[tuple[int, str, str]] = []
+    if isinstance(spec, HeldSpec):
+        slack = f"slack below {spec.slack * 1000:.0f} mNm"
+        rows = [
+            (it.torque, "mNm", f"{it.needed_nm * 1000:.0f} mNm or more, {slack}")
+            for it in spec.joints
+        ]
+        pipe = "the other parts" if diameter_m is None else f"{diameter_m * 1000:.0f} mm"
+        limit = f"{pipe} within {spec.span:.0%}, off beyond {spec.span_off:.0%}"
+        rows.append((spec.diameter, "mm", limit))
+    elif spec is not None:
+        rows = [(sign.bound.signal, sign.unit, sign.limit) for sign in spec.signs]
+    names = robot.vocabulary.numbers
     return tuple(
-        Shown(
-            robot.vocabulary.numbers[index],
-            _written(before[index] * scale, form),
-            _written(numbers[index] * scale, form),
-            limit,
-        )
-        for index, scale, form, limit in rows
+        Shown(names[index], _cell(before[index], unit), _cell(numbers[index], unit), limit)
+        for index, unit, limit in rows
     )
 
 
-def _written(value: float, form: str) -> str:
-    return "unknown" if isnan(value) else ("{:" + form).format(value)
+def _cell(value: float, unit: str) -> str:
+    """Return a value in a table."""
+    if isnan(value):
+        return "unknown"
+    return f"{degrees(value):.1f} deg" if unit == "deg" else _WRITTEN[unit](value)
 
 
 def _gripping(
@@ -189,10 +178,9 @@ def _like_a_clamp(spec: HeldSpec, numbers: Numbers, off: float) -> str:
 
 def _as_declared(declared: SeenSpec | HeldSpec | None, spec: HeldSpec, numbers: Numbers) -> bool:
     """Return whether the apex of the part has the angle of a state that holds nothing."""
-    return isinstance(declared, AnglesSpec) and any(
-        angle == spec.apex and abs(numbers[angle] - target) <= declared.within
-        for angle, target in declared.targets
-    )
+    needs = declared.needs if isinstance(declared, SeenSpec) else None
+    bounds = (bound for need in needs or () for bound in need.lacking)
+    return any(bound.signal == spec.apex and bound.holds(numbers) for bound in bounds)
 
 
 def _like_a_grip(robot: RobotSpec, spec: HeldSpec, numbers: Numbers, off: float) -> str:
@@ -219,39 +207,6 @@ def _like_a_grip(robot: RobotSpec, spec: HeldSpec, numbers: Numbers, off: float)
                 f"with which it may hold, limit {spec.slack * 1000:.0f} mNm"
             )
     return ""
-
-
-def _angles(robot: RobotSpec, spec: AnglesSpec, numbers: Numbers) -> SensorVerdict:
-    names = robot.vocabulary.numbers
-    agrees = all(abs(numbers[angle] - target) <= spec.within for angle, target in spec.targets)
-    against = [
-        f"{names[angle]} shows {degrees(numbers[angle]):z.0f} deg, not {degrees(target):z.0f} deg, "
-        f"limit {degrees(spec.beyond):z.0f} deg off"
-        for angle, target in spec.targets
-        if abs(numbers[angle] - target) > spec.beyond
-    ]
-    return SensorVerdict(agrees, "; ".join(against), spec.for_s)
-
-
-def _standing(robot: RobotSpec, spec: StandingSpec, numbers: Numbers) -> SensorVerdict:
-    against = [
-        f"{robot.vocabulary.numbers[speed]} shows {numbers[speed]:.2f} rad/s, "
-        f"limit {spec.below:g} rad/s"
-        for speed in spec.speeds
-        if abs(numbers[speed]) >= spec.below
-    ]
-    stopped = StoppedSpec((spec.speeds,), spec.below, spec.for_s)
-    agrees = holds(stopped, numbers, (), ())
-    return SensorVerdict(agrees, "; ".join(against), spec.for_s)
-
-
-def _driven(robot: RobotSpec, spec: DrivenSpec, numbers: Numbers) -> SensorVerdict:
-    against = [
-        f"{robot.vocabulary.numbers[speed]} shows {numbers[speed]:.2f} rad/s, the other way"
-        for speed, way in spec.wheels
-        if numbers[speed] * way < -spec.above
-    ]
-    return SensorVerdict(False, "; ".join(against), spec.for_s)
 
 
 def _held(
@@ -324,67 +279,3 @@ def _others(robot: RobotSpec, body: RobotState, spec: HeldSpec) -> list[int]:
     """Return the number indexes of the diameters of the other parts that hold."""
     sights = [robot.sight.parts[part] for part in robot.held[body.configuration]]
     return [each.diameter for each in sights if each is not None and each is not spec]
-
-
-# --- what has shown each state and clamp, and when --------------------------------------------
-
-
-Proofs = tuple[Evidence, ...]
-"""The evidence of each region's state, then of each part's clamp."""
-
-
-def proofs_at_start(robot: RobotSpec, body: RobotState, now: Evidence) -> Proofs:
-    """Return the evidence at the start of a run: what a person has declared, or is assumed."""
-    said = now._replace(source="person"), now._replace(source="assumption")
-    return tuple(
-        (said[doubt is None] if state else NOTHING) for _, state, doubt in _believed(robot, body)
-    )
-
-
-def proofs_after(
-    robot: RobotSpec, before: RobotState, after: RobotState, proofs: Proofs, now: Evidence
-) -> Proofs:
-    """Return the evidence after a step.
-
-    Args:
-        robot: The robot.
-        before: The robot's state before the step.
-        after: Its state after the step.
-        proofs: The evidence before the step.
-        now: The evidence of what sensors have shown in this step.
-    """
-    found = list(proofs)
-    both = zip(_believed(robot, before), _believed(robot, after), strict=True)
-    for at, ((_, earlier, doubted), (declared, state, doubt)) in enumerate(both):
-        if (earlier, doubted) == (state, doubt):
-            continue
-        if not state or (doubt is not None and doubt.command < DECLARED):
-            found[at] = NOTHING
-        elif doubt is None:
-            motion = before.motion
-            given = declared._replace(command=motion.command) if motion else declared
-            echoed = _proof(robot, after, doubted or given) == "echo"
-            found[at] = now._replace(source="echo") if echoed else now
-        elif doubt.command >= 0:
-            found[at] = now._replace(source="echo")
-        # What is declared, or stopped, was known before: by older evidence.
-    return tuple(found)
-
-
-def _proof(robot: RobotSpec, body: RobotState, cause: Mark) -> str:
-    """Return what confirms a state: by its command's criterion, or by that for what is declared."""
-    if cause.command >= 0:
-        return robot.commands[cause.command].proof
-    spec = spec_of(robot, states_of(robot, body), cause)
-    return "echo" if isinstance(spec, AcceptedSpec) else "sensor"
-
-
-def _believed(robot: RobotSpec, body: RobotState) -> Iterator[tuple[Mark, str, Mark | None]]:
-    """Yield each region and part as one declared, with its state, and its mark if it has one."""
-    marks = {(mark.kind, mark.which): mark for mark in sorted(body.marks)}
-    held = robot.held[body.configuration]
-    for region, name in enumerate(states_of(robot, body)):
-        yield Mark("region", region, DECLARED), name, marks.get(("region", region))
-    for part in range(len(robot.parts)):
-        holds = "holds" if part in held else ""
-        yield Mark("part", part, DECLARED), holds, marks.get(("part", part))

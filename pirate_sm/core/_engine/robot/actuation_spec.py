@@ -1,13 +1,9 @@
-"""Specifications of slots, loops, writes, postures and commands, with names as indexes."""
+"""Specifications of slots, of their loops and of what stages write to them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Literal, NamedTuple, TypeAlias
-
-from pirate_sm.core._engine.robot.criteria import AcceptedSpec, CriterionSpec, Source
-from pirate_sm.core._expressions import Expression
 
 
 class PositionSpec(NamedTuple):
@@ -175,53 +171,3 @@ class Write(NamedTuple):
 
 
 StageSpec: TypeAlias = tuple[Write, ...]
-
-
-@dataclass(frozen=True)
-class PostureSpec:
-    """A posture: joint angles that a command reaches before the actuation of its states.
-
-    Attributes:
-        name: Name of the posture, for messages.
-        writes: Its setpoints.
-        done: Criterion of completion, besides every joint at its angle.
-        within_rad: Tolerance of the angles; NaN for the threshold of the position loop.
-        refuse: Why the command is impossible here; empty if it is possible.
-    """
-
-    name: str
-    writes: StageSpec
-    done: CriterionSpec
-    within_rad: float = nan
-    refuse: str = ""
-
-
-@dataclass(frozen=True)
-class CommandSpec:
-    """The properties of a command that the chart does not define.
-
-    Attributes:
-        postures: The posture for each target configuration, or None; empty for a command without
-            postures.
-        asks_for: Condition on the states of the regions. Where it holds, the command is unneeded.
-        asks_parts: Parts that are held wherever ``asks_for`` holds. If there are any, the command
-            is unneeded only while their clamps are confirmed.
-    """
-
-    name: str
-    done: CriterionSpec
-    timeout_s: float
-    nominal_s: float
-    lets_go: bool
-    postures: tuple[PostureSpec | None, ...] = ()
-    asks_for: Expression | None = None
-    asks_parts: frozenset[int] = frozenset()
-
-    @property
-    def proof(self) -> Source:
-        """Return what it takes to show that the command is done."""
-        return "echo" if isinstance(self.done, AcceptedSpec) else "sensor"
-
-    def posture(self, configuration: int) -> PostureSpec | None:
-        """Return the posture that precedes a change to this configuration, or None."""
-        return self.postures[configuration] if self.postures else None

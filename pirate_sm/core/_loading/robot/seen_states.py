@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import copysign, inf
+from math import copysign, degrees, inf
 
-from pirate_sm.core._engine.robot.command_spec import SlotSpec, StageSpec, Write
-from pirate_sm.core._engine.robot.criteria import (
-    AcceptedSpec,
-    AnglesSpec,
+from pirate_sm.core._engine.robot.actuation_spec import SlotSpec, StageSpec, Write
+from pirate_sm.core._engine.robot.done_criteria import Bound, near, only, standing
+from pirate_sm.core._engine.robot.robot_spec import Actuation, ChartTable
+from pirate_sm.core._engine.robot.state_signs import (
     DarkSpec,
-    DrivenSpec,
     HeldSpec,
-    ImpliedSpec,
     LoadedJoint,
     SeenSpec,
     Sight,
-    StandingSpec,
+    Sign,
 )
-from pirate_sm.core._engine.robot.robot_spec import Actuation, ChartTable
 from pirate_sm.core._loading.problems import Path, Problems
-from pirate_sm.core._loading.robot.commands import resolve_load, turning_rad_s
+from pirate_sm.core._loading.robot.done_criteria import rate_of, resolve_load, turning_rad_s
 from pirate_sm.core._loading.robot.signals import Signals
-from pirate_sm.core._model.robot import criteria as model
+from pirate_sm.core._model.robot import seen_states as model
 
 
 def resolve_sight(
@@ -138,16 +135,55 @@ def _joint(
             message=f"'{name}' is not a driven joint with a torque signal",
         )
         return None
-    rate = signals.rate_of(name)
-    if rate < 0:
-        message = f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}"
-        problems.add("robot.seen", path, message)
+    rate = rate_of(name, signals, "robot.seen", path)
     load = resolve_load(how, name, signals.number(joint.torque, path), signals, path)
     writes = (w for states in actuation for each in states.values() for w in each[-1])
     duty = max((abs(w.value) for w in writes if w.slot == slot and w.how == "set"), default=0.0)
     needed_nm = max(load.full_nm * (duty or 1.0), load.least_nm)
     least_nm = max(how.slack, how.at_least or 0.0)
     return LoadedJoint(slot, load.torque, rate, needed_nm, least_nm)
+
+
+def angles_shown(
+    targets: tuple[tuple[int, float], ...], within: float, beyond: float, for_s: float
+) -> SeenSpec:
+    """Return that angles, by their number indexes, are near their setpoints."""
+    far = f"{degrees(beyond):z.0f} deg"
+    limit = f"within {degrees(within):z.0f} deg" + (f", off beyond {far}" if beyond < inf else "")
+    signs = tuple(
+        Sign(
+            near(angle, target, beyond)._replace(or_unknown=True),
+            "deg",
+            f"not {degrees(target):z.0f} deg, limit {far} off",
+            f"{degrees(target):z.0f} deg {limit}",
+        )
+        for angle, target in targets
+    )
+    needs = tuple(only(near(angle, target, within)) for angle, target in targets)
+    return SeenSpec("angles", needs, signs, for_s)
+
+
+def wheels_stand(speeds: tuple[int, ...], below: float, for_s: float) -> SeenSpec:
+    """Return that wheels, by the number indexes of their speeds, stand still."""
+    limit = f"{below:g} rad/s"
+    signs = tuple(
+        Sign(Bound(each, "<", below, or_unknown=True), "rad/s", f"limit {limit}", f"below {limit}")
+        for each in speeds
+    )
+    return SeenSpec("stopped", standing(speeds, below), signs, for_s)
+
+
+def wheels_driven(wheels: tuple[tuple[int, float], ...], above: float, for_s: float) -> SeenSpec:
+    """Return that no wheel turns the other way: each has its speed's number index and its way.
+
+    Wheels that stand still or turn as commanded count as driven only after a command.
+    """
+    limit = f"not above {above:g} rad/s the other way"
+    signs = tuple(
+        Sign(Bound(speed, "<=", above, way=-way, or_unknown=True), "rad/s", "the other way", limit)
+        for speed, way in wheels
+    )
+    return SeenSpec("turning", None, signs, for_s)
 
 
 class _States:
@@ -172,22 +208,21 @@ class _States:
                 if beyond <= how.within:
                     message = "`beyond` must be larger than `within`"
                     self._problems.add("robot.seen", (*path, "beyond"), message)
-                targets = self._targets(name)
                 if not self._sets_angle(name):
                     self._need((), path, f"{name} sets no angle")
-                return AnglesSpec(targets, how.within, beyond, how.for_s)
+                return angles_shown(self._targets(name), how.within, beyond, how.for_s)
             case model.StandingWheels():
                 still = tuple(speed for speed, way in self._wheels(name) if way == 0)
                 self._need(still, path, f"{name} stops no wheel")
-                return StandingSpec(still, how.below, how.for_s)
+                return wheels_stand(still, how.below, how.for_s)
             case model.TurningWheels():
                 driven = tuple((speed, way) for speed, way in self._wheels(name) if way)
                 self._need(driven, path, f"{name} drives no wheel")
-                return DrivenSpec(driven, turning_rad_s(how, self._signals, path), how.for_s)
+                return wheels_driven(driven, turning_rad_s(how, self._signals, path), how.for_s)
             case model.AcceptedState():
-                return AcceptedSpec()
+                return SeenSpec(how.kind)
             case model.Implied():
-                return ImpliedSpec()
+                return SeenSpec(how.kind, needs=())
             case model.Unknown():
                 return None
 
