@@ -26,7 +26,7 @@ from pirate_sm.views.drawing.svg.plot import Plot, PlotSeries
 
 
 try:
-    from scipy.optimize import Bounds, minimize
+    from scipy.optimize import Bounds, least_squares, minimize
 except ModuleNotFoundError:
     raise not_installed("a curve of slip and friction", "scipy", "fit") from None
 
@@ -135,12 +135,6 @@ def _climb(x: Floats, y: Floats, start: Floats) -> Floats:
 
 
 # --- the Magic formula ---------------------------------------------------------------------------
-
-
-try:
-    from scipy.optimize import least_squares
-except ModuleNotFoundError:
-    raise not_installed("a curve of slip and friction", "scipy", "fit") from None
 
 NAMES = ("B", "C", "D", "E")
 _BOUNDS = (0.0, 1.0, 0.0, -np.inf), (np.inf, 2.0, np.inf, 1.0)
