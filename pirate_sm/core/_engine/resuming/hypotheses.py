@@ -50,7 +50,7 @@ class Hypothesis(NamedTuple):
     drives: bool = False
 
     def in_configuration(self, robot: RobotSpec, there: int, last: EngineState) -> Hypothesis:
-        """Return the same robot in a configuration that a person says, of which nothing is shown.
+        """Return the same robot in a configuration that an operator gives, with nothing confirmed.
 
         Args:
             robot: The robot.
