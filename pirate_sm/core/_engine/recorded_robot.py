@@ -6,8 +6,8 @@ the effects of the run.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Callable, Iterable
+from typing import NamedTuple, TypeAlias
 
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
@@ -23,6 +23,8 @@ from pirate_sm.core._engine.sensing.signal_table import forget_stale, observe
 from pirate_sm.core._engine.state import EngineState, MissionState
 from pirate_sm.core._model.effects import Effect, Environment, Setpoints, StateChange
 from pirate_sm.core._model.events import DetectorWord, Event, SensorFrame, SubmitResult
+
+Wheels: TypeAlias = tuple[int, ...]
 
 
 class RobotLook(NamedTuple):
@@ -51,6 +53,12 @@ class RobotLook(NamedTuple):
     word: str
     travel: int
     state: EngineState
+
+    def travelled(
+        self, odometer: Callable[[EngineState, float, Wheels], float], wheels: Wheels
+    ) -> float:
+        """Return what an odometer has counted until now, m."""
+        return odometer(self.state, self.at_s, wheels)
 
 
 class RobotListener:

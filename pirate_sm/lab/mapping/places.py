@@ -186,7 +186,7 @@ class _Rolled:
 
     def since_last(self, look: RobotLook) -> float:
         """Return what they have rolled since it was asked last, m."""
-        counts = [each.look(look.state, look.at_s, wheels) for each, wheels in self._groups]
+        counts = [look.travelled(each.look, wheels) for each, wheels in self._groups]
         before_m, self._last_m = self._last_m, sum(counts) / len(counts)
         return self._last_m - before_m
 
