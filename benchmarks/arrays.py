@@ -69,20 +69,20 @@ class Tally:
         self.round_trips_s += other.round_trips_s
 
 
-def commands(seed: int) -> Tally:
-    """A batch of commands has been brought over the link, and watched in the bay."""
+def commands(seed: int, count: int = BATCH) -> Tally:
+    """So many commands have been brought over the link, and watched in the bay."""
     bay, plan = bay_of(seed, Switches(LOSS, LOSS, corruption=CORRUPTION))
     port = VirtualPort(bay, plan.serial.heartbeat_within)
     backend = SerialBackend(plan, port)
     backend.open()
     began_s = port.now()
-    tally, random = Tally(commands=BATCH), Random(seed)
+    tally, random = Tally(commands=count), Random(seed)
     fates: dict[int, str] = {}
     told_s: dict[int, float] = {}
     sent_s: dict[int, float] = {}
     number, now_s = 0, 0.0
-    while number < BATCH or len(fates) < number:
-        if number < BATCH and (number == len(fates) or random.random() < 0.002):
+    while number < count or len(fates) < number:
+        if number < count and (number == len(fates) or random.random() < 0.002):
             number += 1
             sent_s[number] = now_s
             backend.submit(number, _values(number, len(plan.slots)))
@@ -163,15 +163,15 @@ def _number(counts: tuple[int, ...]) -> int | None:
     return high * DIGITS + low if whole and low >= 0 and high >= 0 else None
 
 
-def twice(seed: int) -> Tally:
+def twice(seed: int, count: int = BATCH) -> Tally:
     """The same with each message written twice and no echo awaited before the next."""
     bay, plan = bay_of(seed, Switches(LOSS, LOSS, corruption=CORRUPTION))
     port = VirtualPort(bay)
     backend = SerialBackend(plan, port)
     backend.open()
     bay.records.clear()
-    tally, slots = Tally(commands=BATCH), len(plan.slots)
-    for number in range(1, BATCH + 1):
+    tally, slots = Tally(commands=count), len(plan.slots)
+    for number in range(1, count + 1):
         began_s = port.now()
         counts = [round(value * DIGITS) for value in _values(number, slots)]
         for copy in range(2):

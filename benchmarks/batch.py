@@ -1,6 +1,6 @@
 """Many robots at once, beside one robot with the interpreter.
 
-    python -m benchmarks.batch [--robots 32] [--threads N]
+    python -m benchmarks.batch [--robots 32] [--threads N] [--mission NAME] [--repeats 7]
 
 A mission is run, and which setpoints came into force in which cycle is kept. Then a batch of robots
 gets the same setpoints in the same cycles, without an engine, and ends where the mission has ended,
@@ -113,28 +113,33 @@ def main() -> int:
     )
     parser.add_argument("--robots", type=int, default=32)
     parser.add_argument("--threads", type=int, default=cpu_count() or 1)
+    parser.add_argument("--mission", action="append", choices=MISSIONS, help="all by default")
+    parser.add_argument("--repeats", type=int, default=REPEATS)
     wishes = parser.parse_args()
-    for mission in MISSIONS:
+    robots, threads, repeats = wishes.robots, wishes.threads, wishes.repeats
+    for mission in wishes.mission or MISSIONS:
         usual: tuple[float, float] | None = None
         for fidelity in FIDELITIES:
-            rates = _rates(Order(mission, fidelity=fidelity), wishes.robots, wishes.threads)
+            rates = _rates(Order(mission, fidelity=fidelity), robots, threads, repeats)
             single, core, shared, wall = rates
             usual = usual or (single, core)
             print(
                 f"{mission}, {fidelity}: one with the interpreter {single:,.0f} × real time, batch "
                 f"{core:,.0f} per core: {core / usual[0]:.2f} × the usual one with the "
-                f"interpreter, {core / usual[1]:.2f} × the usual batch; on {wishes.threads} "
+                f"interpreter, {core / usual[1]:.2f} × the usual batch; on {threads} "
                 f"threads {shared:,.0f} per core, {wall:,.0f} in all"
             )
-    _share(wishes.robots, wishes.threads)
+    _share(robots, threads, repeats)
     return 0
 
 
-def _rates(order: Order, robots: int, threads: int) -> tuple[float, float, float, float]:
+def _rates(
+    order: Order, robots: int, threads: int, repeats: int
+) -> tuple[float, float, float, float]:
     """Return × real time of a mission, of a batch per core on one thread and on several, in all."""
     loaded = load(order)
     courses, alone, shared = [], [], []
-    for _ in range(REPEATS):
+    for _ in range(repeats):
         course = course_of(loaded, order)
         courses.append(course)
         alone.append(replayed(loaded, course, order, robots, 1))
@@ -155,7 +160,7 @@ def one(seed: int) -> None:
     gliding.run(Order(SHARED, seed=seed), glides=True)
 
 
-def _share(missions: int, threads: int) -> None:
+def _share(missions: int, threads: int, repeats: int) -> None:
     """Print how many whole missions pass in a second."""
     pool = ProcessPoolExecutor(threads, mp_context=get_context("spawn"))
     with pool, Crew(1) as alone, Crew(threads) as crew:
@@ -166,7 +171,7 @@ def _share(missions: int, threads: int) -> None:
             f"{threads} processes": lambda: list(pool.map(one, range(missions), chunksize=4)),
         }
         rates: dict[str, list[float]] = {name: [] for name in ways}
-        for _ in range(REPEATS):
+        for _ in range(repeats):
             for name, way in ways.items():
                 began_s = perf_counter()
                 way()

@@ -1,6 +1,6 @@
 """Speed and memory, side by side in one run.
 
-    python -m benchmarks.bench
+    python -m benchmarks.bench [simulator] [recording] [console] [processes] [--repeats 5]
 
 Chart commands: the same random commands through python-statemachine, through sismic where it is
 installed, and through the compiled table; each answers whether the command moves the chart, and
@@ -12,6 +12,7 @@ the package. Recording: see :mod:`benchmarks.recording`.
 
 from __future__ import annotations
 
+import argparse
 import os
 import random
 import sys
@@ -36,23 +37,29 @@ BEND, IN_SPACE = "mitre_bend", ("take_elbow", "take_branch", "house_connection")
 COMMANDS = 20_000
 SEED = 7
 REPEATS = 5
+ALL = "all"
 
 
 def main() -> int:
-    """Everything is measured and printed."""
-    loaded = load_robot(library.find_robot("pirate_ii"))
-    events_per_s = _charts(loaded)
-    _simulator(events_per_s)
-    print("recording")
-    measure_recording()
-    measure_short()
-    measure_commands()
-    measure_console()
-    _processes()
+    """Everything, or the parts that are named, is measured and printed."""
+    works: dict[str, Callable[[int], None]] = {
+        "simulator": _simulator,
+        "recording": _recording,
+        "console": lambda _: measure_console(),
+        "processes": _processes,
+    }
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("parts", nargs="*", choices=(*works, ALL), default=ALL)
+    parser.add_argument("--repeats", type=int, default=REPEATS)
+    wishes = parser.parse_args()
+    for name in works if ALL in wishes.parts else wishes.parts:
+        works[name](wishes.repeats)
     return 0
 
 
-def _charts(loaded: LoadedRobot) -> float:
+def _charts(loaded: LoadedRobot, repeats: int) -> float:
     """Print the rates; return that of python-statemachine, in events per second."""
     table = loaded.table
     names = random.Random(SEED).choices(table.commands, k=COMMANDS)
@@ -71,7 +78,7 @@ def _charts(loaded: LoadedRobot) -> float:
     moved: set[int] = set()
     for name, contender in contenders.items():
         count = COMMANDS if name == "compiled table" else COMMANDS // 10
-        rates[name] = max(_rate(contender, names[:count]) for _ in range(REPEATS))
+        rates[name] = max(_rate(contender, names[:count]) for _ in range(repeats))
         moved.add(contender(names[: COMMANDS // 10]))
     assert len(moved) == 1, f"the contenders disagree: {moved}"
     base = rates["python-statemachine"]
@@ -150,17 +157,18 @@ def _as_sismic(chart: Mapping[str, Any]) -> dict[str, Any]:
     return {"statechart": {"name": "robot", "root state": root}}
 
 
-def _simulator(events_per_s: float) -> None:
+def _simulator(repeats: int) -> None:
+    events_per_s = _charts(load_robot(library.find_robot("pirate_ii")), repeats)
     factors: dict[str, list[float]] = {mission: [] for mission in (BEND, *IN_SPACE)}
     for mission in factors:
         run(Order(mission))
-    for _ in range(REPEATS):  # in turn, so that other work on the machine falls on all alike
+    for _ in range(repeats):  # in turn, so that other work on the machine falls on all alike
         for mission, found in factors.items():
             outcome = run(Order(mission))
             found.append(outcome.time_s / outcome.took_s)
     bend = median(factors[BEND])
     spread = f"least {min(factors[BEND]):,.0f}, most {max(factors[BEND]):,.0f}"
-    spread += f", of {REPEATS} bend missions"
+    spread += f", of {repeats} bend missions"
     print(f"simulator, interpreter in the loop: {bend:,.0f} × real time ({spread})")
     share = bend / events_per_s
     print(f"    per event that python-statemachine does in a second: {share:.3f}")
@@ -169,7 +177,14 @@ def _simulator(events_per_s: float) -> None:
         print(f"    in round pipes, {mission}: {rate:,.0f} × real time, {rate / bend:.2f} of that")
 
 
-def _processes() -> None:
+def _recording(repeats: int) -> None:
+    print("recording")
+    measure_recording(repeats)
+    measure_short()
+    measure_commands(repeats)
+
+
+def _processes(repeats: int) -> None:
     command = [str(Path(sys.executable).with_name("pirate-run"))]
     mission = [*command, "mitre_bend", "--speed", "max", "--quiet"]
     with tempfile.TemporaryDirectory() as empty:
@@ -177,17 +192,17 @@ def _processes() -> None:
         cold = {**os.environ, **caches, "PIRATE_SM_RUNS": ""}
         used_by(sys.executable, "-m", "compileall", "-q", PACKAGE)
         first = used_by(*mission, environment=cold).wall_s
-        second = [used_by(*mission, environment=cold) for _ in range(REPEATS)]
+        second = [used_by(*mission, environment=cold) for _ in range(repeats)]
         keeping = {**cold, "PIRATE_SM_RUNS": empty}
-        third = [used_by(*mission, environment=keeping) for _ in range(REPEATS)]
+        third = [used_by(*mission, environment=keeping) for _ in range(repeats)]
     why_not = find_library().why_not
     print(f"machine code of the simulator: {f'not built, {why_not}' if why_not else 'built'}")
     print(f"bend mission, first process: {first:5.2f} s")
     later_s, recorded_s = (median(each.wall_s for each in some) for some in (second, third))
-    print(f"bend mission, later process: {later_s:5.2f} s (median of {REPEATS})")
+    print(f"bend mission, later process: {later_s:5.2f} s (median of {repeats})")
     print(f"the same, recorded:         {recorded_s:6.2f} s")
-    helps = [used_by(*command, "--help").wall_s for _ in range(2 * REPEATS)]
-    alone = [used_by(sys.executable, "-c", "").wall_s for _ in range(2 * REPEATS)]
+    helps = [used_by(*command, "--help").wall_s for _ in range(2 * repeats)]
+    alone = [used_by(sys.executable, "-c", "").wall_s for _ in range(2 * repeats)]
     print(f"pirate-run --help:          {median(helps) * 1000:6.0f} ms (median of {len(helps)})")
     print(f"... Python alone:           {median(alone) * 1000:6.0f} ms")
     peak_bytes = max(each.memory_bytes for each in (*second, *third))

@@ -54,6 +54,6 @@ def run_all(orders: Iterable[Order], *, workers: int | None = None) -> list[Outc
             outcomes are the same for any number.
     """
     wanted = list(orders)
-    run(wanted[0])  # compiles the simulator once, before the others need it
+    first = run(wanted[0])  # compiles the simulator once, before the others need it
     with ProcessPoolExecutor(workers or cpu_count() or 1, mp_context=get_context("spawn")) as pool:
-        return list(pool.map(run, wanted, chunksize=max(1, len(wanted) // 64)))
+        return [first, *pool.map(run, wanted[1:], chunksize=max(1, len(wanted) // 64))]

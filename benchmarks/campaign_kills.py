@@ -97,7 +97,12 @@ def _disturb(file: Path, folder: Path, drawn: Random, every_s: float) -> Counter
         workers = [cluster.add_worker() for _ in range(2)]
         relay = stack.enter_context(Relay(cluster.address))
         client = _client(file, folder, relay)
-        stack.callback(lambda: client.poll() is None and kill(client))
+
+        def end() -> None:
+            if client.poll() is None:
+                kill(client)
+
+        stack.callback(end)
         while True:
             try:
                 code = client.wait(timeout=every_s)

@@ -1,6 +1,6 @@
 """What a campaign costs: two workers beside one, the client, memory, and many runs from that.
 
-    python -m benchmarks.campaigns [--runs 600] [--pairs 3] [--bends 10000]
+    python -m benchmarks.campaigns [--runs 600] [--pairs 3] [--warm 200] [--bends 10000]
 
 The bend with varied start, friction and diameter, on Dask workers of one thread, each a process;
 the scheduler is a process of its own. In turns one worker and two run the same missions, without
@@ -8,8 +8,8 @@ any check; the best of each counts. Printed are:
 
 - missions per hour of one and of two workers, from the first chunk to the last; bar 1.8 x;
 - the client's processor time for a mission; bar 2 ms; and the scheduler's;
-- how much memory a worker has gained since its first 200 missions; bar 8 MB, for it goes up and
-  down by 5 MB;
+- how much memory a worker has gained since its first 200 missions, or what ``--warm`` says; bar
+  8 MB, for it goes up and down by 5 MB;
 - the bytes in the store for a mission;
 - how many missions an hour the client, the scheduler and the store would pass if a mission took no
   time: two workers that answer at once;
@@ -77,15 +77,17 @@ def main() -> int:
     )
     parser.add_argument("--runs", type=int, default=600)
     parser.add_argument("--pairs", type=int, default=3)
+    parser.add_argument("--warm", type=int, default=WARM, help="runs of each worker before that")
+    parser.add_argument("--instant", type=int, default=INSTANT, help="missions without work")
     parser.add_argument("--bends", type=int, default=0)
     wishes = parser.parse_args()
     bends = _bends(wishes.runs)
     found: dict[int, list[Measured]] = {1: [], 2: []}
     for _ in range(wishes.pairs):
         for workers, measured in found.items():
-            measured.append(_measure(bends, workers))
+            measured.append(_measure(bends, workers, wishes.warm))
             print(f"{workers} worker{'s' * (workers > 1)}: {_said(measured[-1])}", flush=True)
-    good = _show(found, _ceiling_s(_bends(INSTANT)))
+    good = _show(found, _ceiling_s(_bends(wishes.instant)))
     if wishes.bends:
         good &= _many(_bends(wishes.bends))
     return 0 if good else 1
@@ -108,11 +110,11 @@ def _cluster(workers: int) -> Iterator[tuple[str, int]]:
         yield cluster.address, cluster.scheduler.pid
 
 
-def _measure(plan: CampaignPlan, workers: int) -> Measured:
+def _measure(plan: CampaignPlan, workers: int, each: int) -> Measured:
     """Run a campaign, with workers that are warm."""
     with _cluster(workers) as (address, scheduler), TemporaryDirectory() as folder:
         warm = replace(
-            plan, cells=(replace(plan.cells[0], key="warm", seeds=range(WARM * workers)),)
+            plan, cells=(replace(plan.cells[0], key="warm", seeds=range(each * workers)),)
         )
         _conduct(warm, address, Path(folder) / "warm")
         before = _memory_mb(address)

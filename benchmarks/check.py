@@ -1,12 +1,15 @@
-"""How fast missions are explored: `python -m benchmarks.check`.
+"""How fast missions are explored.
+
+    python -m benchmarks.check [--runs 5] [--mission NAME] [--phases 300 1000 3000] [--held 2 6 12]
 
 Times are of the processor, the best of several runs, so that other programs disturb them less.
 """
 
 from __future__ import annotations
 
+import argparse
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -24,7 +27,7 @@ SIGNALS = [*(f"gamma_{n}" for n in range(1, 5)), *(f"wheel_torque_{n}" for n in 
 SIGNALS += ["roll", "pitch"]
 
 
-def best_s(work: Callable[[], object], runs: int = RUNS) -> float:
+def best_s(work: Callable[[], object], runs: int) -> float:
     """The least processor time that the work takes."""
     times = []
     for _ in range(runs):
@@ -64,22 +67,24 @@ def holding_mission(triggers: int) -> str:
     return f"{HEAD}{wait}\n    within: {{time: 1 min, go: f}}\n{ends}"
 
 
-def shipped() -> None:
-    """The shipped missions: the exploration alone, and all of the check of a loaded mission."""
+def shipped(names: Collection[str], runs: int) -> None:
+    """These shipped missions: the exploration alone, and all of the check of a loaded mission."""
     print(f"{'mission':24}{'steps':>8}{'steps/s':>10}{'check':>10}")
-    for path in library.missions():
+    for path in (each for each in library.missions() if each.stem in names):
         loaded = load_mission(path)
         number = steps_of(loaded)
-        exploring_s = best_s(lambda: explore(loaded.robot, loaded.program, conditions_of(loaded)))  # noqa: B023
-        checking_s = best_s(lambda: check_loaded(loaded))  # noqa: B023
+        exploring_s = best_s(
+            lambda: explore(loaded.robot, loaded.program, conditions_of(loaded)), runs  # noqa: B023
+        )  # fmt: skip
+        checking_s = best_s(lambda: check_loaded(loaded), runs)  # noqa: B023
         print(f"{path.stem:24}{number:8}{number / exploring_s:10.0f}{1e3 * checking_s:7.1f} ms")
 
 
-def growing(folder: Path) -> None:
+def growing(folder: Path, phases: Sequence[int], held: Sequence[int]) -> None:
     """Missions that grow in length, and waits that grow in width."""
     print(f"\n{'made':24}{'steps':>8}{'steps/s':>10}{'check':>10}")
-    made = [(f"{n} phases", long_mission(n)) for n in PHASES]
-    made += [(f"{n} conditions to hold", holding_mission(n)) for n in HELD]
+    made = [(f"{n} phases", long_mission(n)) for n in phases]
+    made += [(f"{n} conditions to hold", holding_mission(n)) for n in held]
     for name, text in made:
         (folder / "m.yaml").write_text(text, encoding="utf-8")
         loaded = load_mission(folder / "m.yaml")
@@ -93,9 +98,18 @@ def growing(folder: Path) -> None:
 
 def main() -> None:
     """The figures stand on standard output."""
-    shipped()
+    names = [path.stem for path in library.missions()]
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--runs", type=int, default=RUNS, help="of which the best counts")
+    parser.add_argument("--mission", action="append", choices=names, help="all by default")
+    parser.add_argument("--phases", type=int, nargs="*", default=PHASES, help="of long missions")
+    parser.add_argument("--held", type=int, nargs="*", default=HELD, help="conditions to hold")
+    wishes = parser.parse_args()
+    shipped(wishes.mission or names, wishes.runs)
     with TemporaryDirectory() as folder:
-        growing(Path(folder))
+        growing(Path(folder), wishes.phases, wishes.held)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """How long a shell waits for the values that fit on a command line.
 
-    python -m benchmarks.completion
+    python -m benchmarks.completion [--repeats 9]
 
 The installed command is asked as the scripts of `pirate completion` ask it, each line as a process
 of its own, all lines in turn. Printed are the least and the median time on the wall, and the least
@@ -9,6 +9,7 @@ processor time, which other work on the machine changes less.
 
 from __future__ import annotations
 
+import argparse
 import os
 import sys
 from pathlib import Path
@@ -39,10 +40,15 @@ LINES = (
 
 def main() -> int:
     """Measure and print everything; return the exit code."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--repeats", type=int, default=REPEATS)
+    wishes = parser.parse_args()
     command = str(Path(sys.executable).with_name("pirate"))
     asked = {line: {**os.environ, ASKING: "zsh", LINE: line} for line in LINES}
     used: dict[str, list[Used]] = {"Python alone": [], **{line: [] for line in LINES}}
-    for _ in range(REPEATS):  # in turn, so that other work on the machine falls on all alike
+    for _ in range(wishes.repeats):  # in turn, so that other work on the machine falls on all alike
         used["Python alone"].append(used_by(sys.executable, "-c", ""))
         for line, environment in asked.items():
             used[line].append(used_by(command, environment=environment))

@@ -1,6 +1,6 @@
 """How fast the console draws, and how soon its stop acts.
 
-    python -m benchmarks.console
+    python -m benchmarks.console [--seconds 10] [--stops 20]
 
 A mission runs in the simulator in real time, at 160 × 48 characters, all panels visible. Frames
 are drawings of the robot that were put on the (headless) terminal. The stop is timed from the
@@ -10,6 +10,7 @@ the backend; under load, the console's own loop is kept busy and so is every cor
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import os
 import subprocess
@@ -41,24 +42,43 @@ SLICE_S = 0.4
 
 def main() -> int:
     """Both are measured and printed."""
-    measure_console()
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--seconds", type=float, default=WATCHED_S, help="how long it is watched")
+    parser.add_argument(
+        "--stops", type=int, default=STOPS, help="without load, and as many under it"
+    )
+    wishes = parser.parse_args()
+    measure_console(wishes.seconds, wishes.stops)
     return 0
 
 
-def measure_console() -> None:
+def measure_console(seconds: float = WATCHED_S, stops: int = STOPS) -> None:
     """Both are measured and printed."""
-    frames = asyncio.run(_frames())
-    sys.setswitchinterval(SWITCH_EVERY_S)  # as `pirate console` does
-    idle = asyncio.run(_stops(loaded=False))
-    loaded = asyncio.run(_stops(loaded=True))
+    frames = asyncio.run(_frames(seconds))
+    with switching_often():
+        idle = asyncio.run(_stops(stops, loaded=False))
+        loaded = asyncio.run(_stops(stops, loaded=True))
     columns, rows = SIZE
     print(f"console, {columns} × {rows}, simulator in real time, {os.cpu_count()} cores")
-    print(f"    frames drawn     {frames:6.1f} /s over {WATCHED_S:g} s of the bend mission")
+    print(f"    frames drawn     {frames:6.1f} /s over {seconds:g} s of the bend mission")
     for name, found in (("", idle), (", under load", loaded)):
         print(
             f"    stop{name:13} {median(found) * 1e3:6.1f} ms to the safe array, "
             f"most {max(found) * 1e3:.1f} ms of {len(found)}"
         )
+
+
+@contextmanager
+def switching_often() -> Iterator[None]:
+    """Threads take turns as often as `pirate console` lets them."""
+    usual_s = sys.getswitchinterval()
+    sys.setswitchinterval(SWITCH_EVERY_S)
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(usual_s)
 
 
 class Timed:
@@ -85,7 +105,7 @@ def begun_session(panel: str | None = None) -> tuple[OperatorSession, Timed]:
     return OperatorSession(replace(prepared, backend=timed)), timed
 
 
-async def _frames() -> float:
+async def _frames(seconds: float) -> float:
     session, _ = begun_session()
     app = Console(session)
     async with app.run_test(size=SIZE) as pilot:
@@ -94,21 +114,21 @@ async def _frames() -> float:
         await asyncio.sleep(1.0)
         picture = app.query_one(PipePicture)
         began, before = perf_counter(), picture.frames
-        await asyncio.sleep(WATCHED_S)
+        await asyncio.sleep(seconds)
         rate = (picture.frames - before) / (perf_counter() - began)
     session.quit()
     session.join()
     return rate
 
 
-async def _stops(*, loaded: bool) -> list[float]:
+async def _stops(stops: int, *, loaded: bool) -> list[float]:
     session, timed = begun_session()
     found = []
     with CheckProcess() as process:
         app = Console(session, ask_check=process.ask)
         async with app.run_test(size=SIZE):
             await asyncio.sleep(1.0)
-            for number in range(STOPS):
+            for number in range(stops):
                 with busy(loaded):
                     await drive(session)
                     driver = StopDriver(app)

@@ -1,6 +1,6 @@
 """How many frames the simulator takes for the engine, and what that saves.
 
-    python -m benchmarks.gliding [MISSION ...]
+    python -m benchmarks.gliding [MISSION ...] [--repeats 9]
 
 Each mission is run with every frame through the engine and without, in turn, and the least process
 time of each counts, so that other work on the machine falls on both alike.
@@ -8,6 +8,7 @@ time of each counts, so that other work on the machine falls on both alike.
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Sequence
 from functools import cache
@@ -121,16 +122,24 @@ def run(order: Order, *, glides: bool, counts: bool = False) -> tuple[float, flo
     return took_s, result.now_s, taken.frames if taken else 0, frames.count if frames else 0
 
 
-def main(missions: Sequence[str]) -> int:
+def main() -> int:
     """Every mission is measured with each detector and printed."""
     from pirate_sm.running.wiring import Order
 
-    for mission in missions:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("missions", nargs="*", metavar="MISSION", default=MISSIONS)
+    parser.add_argument("--repeats", type=int, default=REPEATS)
+    wishes = parser.parse_args()
+    for mission in wishes.missions:
         for detector in ("sim", "odometry"):
             order = Order(mission, detector=detector)
             _, _, taken, _ = run(order, glides=True, counts=True)
             *_, frames = run(order, glides=False, counts=True)
-            times = [(run(order, glides=True), run(order, glides=False)) for _ in range(REPEATS)]
+            times = [
+                (run(order, glides=True), run(order, glides=False)) for _ in range(wishes.repeats)
+            ]
             glided_s = min(glided[0] for glided, _ in times)
             stepped_s = min(stepped[0] for _, stepped in times)
             mission_s = times[0][0][1]
@@ -143,4 +152,4 @@ def main(missions: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:] or MISSIONS))
+    sys.exit(main())

@@ -1,6 +1,7 @@
 """The environments for learning: refusals, rates, and an agent that learns to pass the bend.
 
     python -m benchmarks.learning [--play STEPS] [--learn EPISODES] [--seeds N] [--envs N]
+                                  [--repeats N]
 
 Masked random play counts refused commands. The rates are steps per second of the wall clock: one
 environment alone, and a vector of them on as many processes as there are processors, with equal
@@ -30,6 +31,7 @@ from benchmarks.learning_table import Played, Table, learn, play
 from benchmarks.learnt_mission import mission_of
 from pirate_sm.lab.learning.environment import InPipe
 from pirate_sm.lab.learning.rewards import Transition, least_commands
+from pirate_sm.lab.learning.vector import InPipes
 from pirate_sm.learning import IN_PIPE
 
 MISSION = "mitre_bend"
@@ -64,8 +66,9 @@ def main() -> int:
     parser.add_argument("--learn", type=int, default=400)
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--envs", type=int, default=48)
+    parser.add_argument("--repeats", type=int, default=REPEATS)
     wishes = parser.parse_args()
-    _rates(wishes.envs)
+    _rates(wishes.envs, wishes.repeats)
     _learn(wishes.learn, wishes.seeds)
     _play(wishes.envs, wishes.play)
     return 0
@@ -86,12 +89,18 @@ class Dice:
         return np.array([self.one(index, mask) for index, mask in enumerate(masks)])
 
 
-def _rates(count: int) -> None:
+def _vector(count: int) -> InPipes:
+    vector = gymnasium.make_vec(IN_PIPE, num_envs=count)
+    assert isinstance(vector, InPipes)
+    return vector
+
+
+def _rates(count: int, repeats: int) -> None:
     alone, together = [], []
     workers = cpu_count() or 1
     single = gymnasium.make(IN_PIPE)
-    vector = gymnasium.make_vec(IN_PIPE, num_envs=count)
-    for _ in range(REPEATS):
+    vector = _vector(count)
+    for _ in range(repeats):
         dice, steps, began_s = Dice(count), 0, perf_counter()
         for index in range(count):
             steps += _alone(single, index, dice)
@@ -100,7 +109,7 @@ def _rates(count: int) -> None:
         vector.reset(seed=0)
         over = np.zeros(count, dtype=bool)
         for _ in range(STEPS):
-            masks = vector.unwrapped.action_masks()
+            masks = vector.action_masks()
             _, _, terminated, truncated, _ = vector.step(dice.all(masks))
             taken += int((~over).sum())
             over = terminated | truncated
@@ -130,11 +139,11 @@ def _alone(environment: Any, index: int, dice: Dice) -> int:
 
 
 def _play(count: int, steps: int) -> None:
-    vector, dice = gymnasium.make_vec(IN_PIPE, num_envs=count), Dice(count)
+    vector, dice = _vector(count), Dice(count)
     _, _ = vector.reset(seed=0)
     outcomes: Counter[str] = Counter()
     while outcomes.total() < steps:
-        masks = vector.unwrapped.action_masks()
+        masks = vector.action_masks()
         _, _, _, _, info = vector.step(dice.all(masks))
         told = info.get("_outcome", np.zeros(count, dtype=bool))
         outcomes.update(str(each) for each in np.array(info.get("outcome", []))[told])

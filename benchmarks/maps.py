@@ -180,6 +180,7 @@ def missed(recording: Recording) -> Missed:
     problems.raise_errors()
     found = pipe.route()
     with recorded_mission(recording.header) as loaded:
+        assert loaded.pipe is not None  # it was driven through
         driven = loaded.pipe.route()
         body = loaded.loaded_robot.profile.body
     arcs_m = list(_ends(recording, driven, body))

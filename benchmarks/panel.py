@@ -1,6 +1,6 @@
 """How soon the stop of a control panel acts.
 
-    python -m benchmarks.panel
+    python -m benchmarks.panel [--stops 20]
 
 A panel is played behind a pseudo-terminal. The stop is timed from before its bytes are written
 until the safe array is handed to the backend, in the console (as :mod:`benchmarks.console` times
@@ -11,6 +11,7 @@ every core against it.
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import os
 import pty
@@ -22,8 +23,17 @@ from statistics import median
 from threading import Thread
 from time import perf_counter
 
-from benchmarks.console import SIZE, SLICE_S, Timed, begun_session, busy, drive, spin, wait
-from pirate_sm.cli.commands.console import SWITCH_EVERY_S
+from benchmarks.console import (
+    SIZE,
+    SLICE_S,
+    Timed,
+    begun_session,
+    busy,
+    drive,
+    spin,
+    switching_often,
+    wait,
+)
 from pirate_sm.robot.control_panel.panel_reader import PanelCompanion
 from pirate_sm.running.runtime.ending import INTERRUPTED, Stop, StopRequests
 from pirate_sm.running.runtime.loop import MissionRun
@@ -53,15 +63,19 @@ class Played:
 
 def main() -> int:
     """Both are measured and printed."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--stops", type=int, default=STOPS, help="of each kind")
+    stops = parser.parse_args().stops
     print(f"stop on a panel, simulator in real time, {os.cpu_count()} cores")
     played = Played()
-    usual_s = sys.getswitchinterval()
-    sys.setswitchinterval(SWITCH_EVERY_S)  # as `pirate console` does
+    with switching_often():
+        for loaded in (False, True):
+            found = asyncio.run(_in_console(played, stops, loaded=loaded))
+            _tell("in the console", loaded, found)
     for loaded in (False, True):
-        _tell("in the console", loaded, asyncio.run(_in_console(played, loaded=loaded)))
-    sys.setswitchinterval(usual_s)
-    for loaded in (False, True):
-        _tell("in a run", loaded, _in_runs(played, loaded=loaded))
+        _tell("in a run", loaded, _in_runs(played, stops, loaded=loaded))
     return 0
 
 
@@ -74,7 +88,7 @@ def _tell(where: str, loaded: bool, found: list[float]) -> None:
     )
 
 
-async def _in_console(played: Played, *, loaded: bool) -> list[float]:
+async def _in_console(played: Played, stops: int, *, loaded: bool) -> list[float]:
     session, timed = begun_session(played.name)
     panel = session.prepared.panel
     assert panel is not None
@@ -83,7 +97,7 @@ async def _in_console(played: Played, *, loaded: bool) -> list[float]:
         app = Console(session, reader, ask_check=process.ask)
         async with app.run_test(size=SIZE):
             await asyncio.sleep(1.0)
-            for number in range(STOPS):
+            for number in range(stops):
                 with busy(loaded):
                     await drive(session)
                     pressed: list[float] = []
@@ -97,10 +111,10 @@ async def _in_console(played: Played, *, loaded: bool) -> list[float]:
     return found
 
 
-def _in_runs(played: Played, *, loaded: bool) -> list[float]:
+def _in_runs(played: Played, stops: int, *, loaded: bool) -> list[float]:
     chance = random.Random(14)
     with busy(loaded, os.cpu_count() or 2):
-        return [_in_run(played, chance.uniform(1.0, LATEST_S)) for _ in range(STOPS)]
+        return [_in_run(played, chance.uniform(1.0, LATEST_S)) for _ in range(stops)]
 
 
 def _in_run(played: Played, after_s: float) -> float:

@@ -1,6 +1,6 @@
 """What it costs to keep a run: speed, processor time, size.
 
-    python -m benchmarks.recording
+    python -m benchmarks.recording [--repeats 5] [--minutes 10] [--real-time 20] [--bends 20]
     python -m benchmarks.recording --hours 10 [--keep long.mcap]
 
 The same mission, up and down a straight pipe for ten minutes, with and without a recording; as
@@ -43,7 +43,9 @@ BEND = "mitre_bend"
 BENDS = 20
 """Number of short missions of each kind."""
 
-COMMANDS = 5
+OVER = 1
+"""Exit code of the long mission: it goes on until its time is over, which is a failure."""
+
 PACED = 1e6
 """A speed at which nothing waits, but at which messages for viewers are recorded."""
 
@@ -92,31 +94,35 @@ class _Until:
         return ()
 
 
-def measure_recording() -> None:
+def measure_recording(
+    repeats: int = REPEATS, minutes: float = inf, real_time_s: float = REAL_TIME_S
+) -> None:
     """Costs with and without a recording are printed."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        _run(None, inf, inf)
+        until_s = minutes * 60
+        _run(None, inf, until_s)
         # In turn, so that what else goes on meanwhile meets both.
         pairs = [
-            (_run(None, inf, inf), _run(folder / f"{n}.mcap", inf, inf)) for n in range(REPEATS)
+            (_run(None, inf, until_s), _run(folder / f"{n}.mcap", inf, until_s))
+            for n in range(repeats)
         ]
-        plain, real = _run(None, 1.0, REAL_TIME_S), _run(folder / "real.mcap", 1.0, REAL_TIME_S)
+        plain, real = (_run(path, 1.0, real_time_s) for path in (None, folder / "real.mcap"))
     without, kept = ([pair[each] for pair in pairs] for each in (0, 1))
     before, after = (_median(costs, lambda c: c.run_s / c.wall_s) for costs in (without, kept))
     lost = median(1 - pair[0].wall_s / pair[1].wall_s for pair in pairs)
     print(f"    full speed: {before:,.0f} × real time without, {after:,.0f} × with a recording")
-    print(f"        costs {lost:.0%} of the speed (median of {REPEATS} pairs)")
+    print(f"        costs {lost:.0%} of the speed (median of {repeats} pairs)")
     before, after = (_median(costs, lambda c: c.processor_s) for costs in (without, kept))
     share = f"{1 - before / after:.0%} of it is the recording's"
     print(f"        processor time {before:.2f} s without, {after:.2f} s with, {share}")
     size = _median(kept, lambda c: c.size_of(TEN_MINUTES_S))
     print(f"        ten minutes: {size / 1e6:.1f} MB")
-    print(f"    real time, {REAL_TIME_S:.0f} s: {_share(plain)} without, {_share(real)} with")
+    print(f"    real time, {real_time_s:.0f} s: {_share(plain)} without, {_share(real)} with")
     print(f"        ten minutes: {real.size_of(TEN_MINUTES_S) / 1e6:.1f} MB")
 
 
-def measure_short() -> None:
+def measure_short(bends: int = BENDS) -> None:
     """What a recording adds to a short mission is printed."""
     kinds: dict[str, tuple[bool, float]] = {
         "without": (False, inf),
@@ -126,14 +132,14 @@ def measure_short() -> None:
     spent: dict[str, list[float]] = {kind: [] for kind in kinds}
     sizes: dict[str, int] = {}
     with tempfile.TemporaryDirectory() as name:
-        for number in range(BENDS + 1):
+        for number in range(bends + 1):
             for kind, (kept, factor) in kinds.items():  # in turn: see above
                 path = Path(name) / f"{kind}_{number}.mcap" if kept else None
                 cost = _run(path, factor, inf, BEND)
                 sizes[kind] = cost.size
                 if number:  # the first is slower
                     spent[kind].append(cost.user_s)
-    print(f"    {BEND}, as fast as it goes, user's processor time, {BENDS} runs of each in turn")
+    print(f"    {BEND}, as fast as it goes, user's processor time, {bends} runs of each in turn")
     base = median(spent["without"])
     print(f"        without a recording {base * 1e3:.1f} ms")
     for kind in ("with", "for viewers"):
@@ -143,11 +149,11 @@ def measure_short() -> None:
         print(f"        {kind:17} {at}, {added:+.0%}; {sizes[kind] / 1e3:.0f} kB")
 
 
-def measure_commands() -> None:
+def measure_commands(repeats: int = REPEATS) -> None:
     """What a recording adds to the whole command is printed."""
     spent: dict[str, list[float]] = {"--no-record": [], "--record": []}
     with tempfile.TemporaryDirectory() as name:
-        for number in range(COMMANDS + 1):
+        for number in range(repeats + 1):
             for option, found in spent.items():
                 file = [Path(name) / f"{number}.mcap"] if option == "--record" else []
                 used = _used("run", BEND, "--speed", "max", "-q", option, *file)
@@ -198,7 +204,8 @@ def measure_long(hours: float, kept: Path | None) -> None:
             mission = folder / "long.yaml"
             text = MISSION.read_text(encoding="utf-8")
             mission.write_text(text.replace("10 min", f"{hours:g} h"), encoding="utf-8")
-            _command("run", str(mission), "--no-check", "-q", "--speed", "max", "--record", path)
+            made = ("run", mission, "--no-check", "-q", "--speed", "max", "--record", path)
+            _command(*made, code=OVER)
         size = path.stat().st_size
         print(f"    {hours:g} h of mission time, {size / 1e6:.0f} MB")
         torn = folder / "torn.mcap"
@@ -213,10 +220,10 @@ def measure_long(hours: float, kept: Path | None) -> None:
         _command("report", path, "-o", folder / "long.html")
 
 
-def _command(*arguments: object) -> None:
+def _command(*arguments: object, code: int = 0) -> None:
     """The command has been run; what it took is printed."""
     words = [str(each) for each in arguments]
-    used = _used(*words)
+    used = _used(*words, code=code)
     what = " ".join(word for word in words if "/" not in word)
     print(
         f"        {what:<46} {used.wall_s:6.1f} s, {used.processor_s:6.1f} s of processors, "
@@ -224,25 +231,36 @@ def _command(*arguments: object) -> None:
     )
 
 
-def _used(*arguments: object) -> Used:
+def _used(*arguments: object, code: int = 0) -> Used:
     """Return what the command has used.
 
     Raises:
-        RuntimeError: It has failed.
+        RuntimeError: It has ended with another exit code.
     """
-    code = "from pirate_sm.cli.entry import main; main()"
-    return used_by(sys.executable, "-c", code, *arguments)
+    program = "from pirate_sm.cli.entry import main; main()"
+    return used_by(sys.executable, "-c", program, *arguments, code=code)
 
 
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
+def main() -> int:
+    """Print what was measured."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--repeats", type=int, default=REPEATS, help="of long runs, and commands")
+    parser.add_argument("--minutes", type=float, default=inf, help="of the long runs")
+    parser.add_argument("--real-time", type=float, default=REAL_TIME_S, help="how long, in s")
+    parser.add_argument("--bends", type=int, default=BENDS, help="short missions of each kind")
     parser.add_argument("--hours", type=float, help="length of the recording to read, in hours")
     parser.add_argument("--keep", type=Path, help="the long recording, made where it is missing")
     given = parser.parse_args()
     if given.hours:
         measure_long(given.hours, given.keep)
     else:
-        measure_recording()
-        measure_short()
-        measure_commands()
-    sys.exit(0)
+        measure_recording(given.repeats, given.minutes, given.real_time)
+        measure_short(given.bends)
+        measure_commands(given.repeats)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -161,7 +161,8 @@ def loaded_mission(name: str) -> LoadedMission:
     return load_mission(library.find_mission(name))
 
 
-def missions() -> list[str]:
+@cache
+def missions() -> tuple[str, ...]:
     """Return the shipped missions that a robot with a serial link can run in a pipe."""
     names = [path.stem for path in library.missions()]
     found = []
@@ -172,7 +173,7 @@ def missions() -> list[str]:
             continue
         if loaded.pipe is not None and loaded.loaded_robot.profile.serial is not None:
             found.append(name)
-    return found
+    return tuple(found)
 
 
 def world(mission: str, seed: int) -> World:
@@ -238,9 +239,8 @@ def ride_on(
         pump.take(*pump.wait(until_s))
         state = pump.state
         if state is not None:
-            grip.look(
-                prepared.backend.port.now(), prepared.loaded.program.phase_of[state.mission.pc]
-            )  # type: ignore[attr-defined]
+            now_s = prepared.backend.port.now()  # type: ignore[attr-defined]
+            grip.look(now_s, prepared.loaded.program.phase_of[state.mission.pc])
         if tap is not None and pump.now_s >= written_s + WRITTEN_EVERY_S:
             written_s = pump.now_s
             tap.secure()

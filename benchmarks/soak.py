@@ -18,6 +18,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing import get_context
 from os import cpu_count
 from statistics import median, quantiles
@@ -83,9 +84,11 @@ def main() -> int:
     wishes = parser.parse_args()
     context = get_context("spawn")
     with ProcessPoolExecutor(cpu_count() or 1, mp_context=context) as pool:
-        seeds = range(wishes.seed, wishes.seed + -(-wishes.commands // BATCH))
-        good = _tell_commands(pool.map(commands, seeds), cpu_count() or 1)
-        _tell_twice(pool.map(twice, seeds[: max(1, len(seeds) // 10)]))
+        count = min(wishes.commands, BATCH)
+        seeds = range(wishes.seed, wishes.seed + -(-wishes.commands // count))
+        good = _tell_commands(pool.map(partial(commands, count=count), seeds), cpu_count() or 1)
+        seeds = seeds[: max(1, len(seeds) // 10)]
+        _tell_twice(pool.map(partial(twice, count=count), seeds))
         seeds = range(wishes.seed, wishes.seed + wishes.missions)
         clean = list(pool.map(ride, seeds, [0.0] * len(seeds), [False] * len(seeds)))
         for name, reset_every_s in (("without restarts", 0.0), ("with restarts", 20.0)):

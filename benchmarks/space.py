@@ -21,7 +21,8 @@ from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 
-from benchmarks.campaign import Outcome, options_of_rows, run_all
+from benchmarks.campaign import options_of_rows, run_all
+from pirate_sm.lab.campaign.watched_run import Outcome
 from pirate_sm.running.wiring import Order
 
 BEND, ROUND, BRANCH, DRIVE = "take_bend", "take_elbow", "take_branch", "drive_on"
@@ -209,13 +210,13 @@ def order_of(mission: str, pipe: str, seed: int) -> Order:
 
 
 def _run(mission: str, pipe: str, ways: Ways) -> Sequence[Outcome]:
-    varied = {"friction_jitter": 0.20, "diameter_jitter_m": 0.002}
     orders = [
         replace(
             order_of(mission, pipe, seed),
             detector=ways.detector,
             start_jitter_m=ways.start_m,
-            **varied,
+            friction_jitter=0.20,
+            diameter_jitter_m=0.002,
         )
         for seed in range(ways.seeds)
     ]

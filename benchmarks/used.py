@@ -45,19 +45,24 @@ class Used(NamedTuple):
         return self.user_s + self.system_s
 
 
-def used_by(*command: object, environment: Mapping[str, str] | None = None) -> Used:
+def used_by(*command: object, environment: Mapping[str, str] | None = None, code: int = 0) -> Used:
     """Run a command; return what it has used.
 
     Modules are stored when they have been compiled, as an installation does it, also where the
     environment forbids that.
 
+    Args:
+        command: Its words.
+        environment: Its environment; by default that of this process.
+        code: The exit code that it has to end with.
+
     Raises:
-        RuntimeError: It has failed.
+        RuntimeError: It has ended with another one.
     """
     around = {**(os.environ if environment is None else environment), "PYTHONDONTWRITEBYTECODE": ""}
     start = [sys.executable, "-S", "-c", _START, *map(str, command)]
     told = subprocess.run(start, env=around, check=True, stdout=subprocess.PIPE).stdout
-    code, *used = json.loads(told)
-    if code:
-        raise RuntimeError(f"{command} ended with exit code {code}")
+    ended, *used = json.loads(told)
+    if ended != code:
+        raise RuntimeError(f"{command} ended with exit code {ended}")
     return Used(*used)

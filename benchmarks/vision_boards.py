@@ -37,7 +37,7 @@ def calibrates() -> bool:
         good = error <= LARGEST_ERROR and result.rms_px <= LARGEST_RMS_PX
     for name, refused in {
         "brown": calibrate(seen, board, SIZE, "brown"),
-        "one place": calibrate(_in_one_place(seen), board, SIZE, "fisheye"),
+        "one place": calibrate(_in_one_place(next(iter(seen.values()))), board, SIZE, "fisheye"),
         "one angle": calibrate(_at_one_angle(lens, board), board, SIZE, "fisheye"),
     }.items():
         print(f"{name}: {refused}")
@@ -45,16 +45,16 @@ def calibrates() -> bool:
     return good
 
 
-def _pictures(lens: LensModel, board: Chessboard) -> list[Floats]:
+def _pictures(lens: LensModel, board: Chessboard) -> dict[str, Floats]:
     """The corners that are found in drawn pictures with blur and noise."""
-    chance, found = np.random.default_rng(0), []
+    chance, found = np.random.default_rng(0), {}
     for number in range(BOARDS):
         view = _held(lens, number, chance)
         drawn = cv2.GaussianBlur(draw_board(view, board, SIZE), (0, 0), 0.6)
         noisy = drawn + chance.normal(0, 3, drawn.shape)
         corners = find_board(np.clip(noisy, 0, 255).astype(np.uint8), board)
         if corners is not None:
-            found.append(corners)
+            found[f"board {number}"] = corners
     return found
 
 
@@ -73,13 +73,13 @@ def _held(lens: LensModel, number: int, chance: np.random.Generator) -> View:
     return View(lens, CameraPose(at=(x, y, z), turn=(a, b, c)))
 
 
-def _in_one_place(seen: list[Floats]) -> list[Floats]:
+def _in_one_place(one: Floats) -> dict[str, Floats]:
     """The same board again and again, with the noise of finding it."""
     chance = np.random.default_rng(1)
-    return [seen[0] + chance.normal(0, 0.05, seen[0].shape) for _ in range(BOARDS)]
+    return {f"board {n}": one + chance.normal(0, 0.05, one.shape) for n in range(BOARDS)}
 
 
-def _at_one_angle(lens: LensModel, board: Chessboard) -> list[Floats]:
+def _at_one_angle(lens: LensModel, board: Chessboard) -> dict[str, Floats]:
     """Boards all over the picture that lie in one plane, with the noise of finding them."""
     chance = np.random.default_rng(2)
     views = [
@@ -87,7 +87,10 @@ def _at_one_angle(lens: LensModel, board: Chessboard) -> list[Floats]:
         for x in np.linspace(-0.4, 0.4, 5)
         for y in np.linspace(-0.15, 0.15, 4)
     ]
-    return [view.project(board.points) + chance.normal(0, 0.05, (54, 2)) for view in views]
+    return {
+        f"board {number}": view.project(board.points) + chance.normal(0, 0.05, (54, 2))
+        for number, view in enumerate(views)
+    }
 
 
 def draw_board(view: View, board: Chessboard, size: FrameSize) -> Gray:

@@ -10,11 +10,12 @@ of the simulated robot at the other end are not. The mission is loaded before.
 
 from __future__ import annotations
 
+import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from pirate_sm.core.effects import Effect
@@ -26,11 +27,11 @@ class Followed:
     """An observer that keeps the files passed until an effect of the kind is reported.
 
     Args:
-        shown: Whether the way ends with these effects.
+        kind: The class of the effect with which the way ends.
     """
 
-    def __init__(self, shown: Callable[[Effect], bool]) -> None:
-        self._shown = shown
+    def __init__(self, kind: type[Effect]) -> None:
+        self._kind = kind
         self._passed: set[str] = set()
         self.way: set[str] = set()
 
@@ -45,17 +46,17 @@ class Followed:
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         """Keep the way if it has come to its end."""
-        if not self.way and any(map(self._shown, effects)):
+        if not self.way and any(isinstance(each, self._kind) for each in effects):
             self.way = {name for name in self._passed if not name.startswith("simulation/")}
 
 
-def followed(mission: str, shown: Callable[[Any], bool]) -> list[str]:
-    """Return the files that are passed until the first of these effects."""
+def followed(mission: str, kind: type[Effect]) -> list[str]:
+    """Return the files that are passed until the first effect of this kind."""
     from pirate_sm.running.runtime.loop import MissionRun
     from pirate_sm.running.wiring import Order, prepare
 
     prepared = prepare(Order(mission, backend="bay"))
-    follower = Followed(shown)
+    follower = Followed(kind)
     run = MissionRun(
         prepared.engine, prepared.backend, observers=[follower], companions=prepared.companions
     )
@@ -67,15 +68,20 @@ def followed(mission: str, shown: Callable[[Any], bool]) -> list[str]:
     return sorted(follower.way)
 
 
-def main(mission: str) -> int:
+def main() -> int:
     """Both ways are followed and printed."""
     from pirate_sm.core.effects import Setpoints, TriggerFired
 
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("mission", nargs="?", metavar="MISSION", default="mitre_bend")
+    mission = parser.parse_args().mission
     for what, kind in (
         ("a frame, from the port to the trigger that it fires", TriggerFired),
         ("a command, from the mission's step to the port", Setpoints),
     ):
-        way = followed(mission, lambda effect, kind=kind: isinstance(effect, kind))
+        way = followed(mission, kind)
         print(f"{what}: {len(way)} files")
         for name in way:
             print(f"    {name}")
@@ -83,4 +89,4 @@ def main(mission: str) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:] or ["mitre_bend"]))
+    sys.exit(main())

@@ -134,6 +134,8 @@ class _Maker:
                 yield self._text(left)
             case ast.UnaryOp(ast.Not() | ast.USub(), operand):
                 yield f"({self._text(operand)})"
+            case _:  # nothing can be left out of `a % b` or `~a`
+                pass
 
     def _swapped(self, node: ast.Call) -> Iterator[str]:
         """Yield the call with each two neighbours of its arguments swapped."""

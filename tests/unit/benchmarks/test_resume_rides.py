@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.resume_rides import KINDS, LIES, Case, missions, ride
+from pirate_sm.core import library
 
 MISSION = "prepare_bend"
 """The shortest mission that clamps, bends and drives."""
@@ -28,9 +29,11 @@ def test_a_lie_about_what_holds_is_refused(lie: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mission", missions())
+@pytest.mark.parametrize("mission", [path.stem for path in library.missions()])
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_mission_lets_go(mission: str, kind: str) -> None:
+    if mission not in missions():
+        pytest.skip("it runs on no robot with a serial link, or in no pipe")
     found = ride(Case(mission, kind, 0.5, dark_s=1.0))
 
     assert found.how in ("success", "failure", "refused"), found.why

@@ -5,16 +5,12 @@ from __future__ import annotations
 import pytest
 from representative import thorough_but
 
-from benchmarks import arrays
+from benchmarks.arrays import commands
 from benchmarks.soak import ride
 
 
-def test_no_array_is_lost_comes_out_of_order_or_stays_damaged(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(arrays, "BATCH", 100)
-
-    tally = arrays.commands(seed=1)
+def test_no_array_is_lost_comes_out_of_order_or_stays_damaged() -> None:
+    tally = commands(seed=1, count=100)
 
     assert tally.faults == []
     assert sum(tally.statuses.values()) == 100
