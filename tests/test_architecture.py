@@ -19,6 +19,13 @@ TEXTS = {
     file.relative_to(PACKAGE).as_posix(): file.read_text(encoding="utf-8")
     for file in sorted(PACKAGE.rglob("*.py"))
 }
+
+
+@cache
+def parsed(text: str) -> ast.Module:
+    return ast.parse(text)
+
+
 """The source files by their names in the package."""
 _WORD = re.compile(r"[A-Za-z]\w*")
 LONGEST_FILE = 500
@@ -152,7 +159,7 @@ _ONE_IDEA = {"Elbow", "Mitre", "Reducer", "Straight"}
 
 
 def test_a_class_name_stands_for_one_idea() -> None:
-    trees = map(ast.parse, TEXTS.values())
+    trees = map(parsed, TEXTS.values())
     classes = (each for tree in trees for each in ast.walk(tree) if isinstance(each, ast.ClassDef))
     counts = Counter(each.name for each in classes if not each.name.startswith("_"))
 
@@ -180,7 +187,7 @@ def _handed_out() -> tuple[set[str], set[str]]:
     handed, modules = set(), set()
     for name, text in TEXTS.items():
         if name.startswith("core/") and "# mypy: implicit-reexport" in text:
-            imports = (each for each in ast.parse(text).body if isinstance(each, ast.ImportFrom))
+            imports = (each for each in parsed(text).body if isinstance(each, ast.ImportFrom))
             for node in imports:
                 if node.module in (None, "__future__"):
                     continue
@@ -195,7 +202,7 @@ def _handed_out() -> tuple[set[str], set[str]]:
 @cache
 def _used_outside() -> set[str]:
     """The names of the core that the other rooms use."""
-    trees = (ast.parse(text) for name, text in TEXTS.items() if not name.startswith("core/"))
+    trees = (parsed(text) for name, text in TEXTS.items() if not name.startswith("core/"))
     return {each for tree in trees for each in _used(tree) if each.startswith("pirate_sm.core.")}
 
 
@@ -220,7 +227,7 @@ def test_files_and_functions_stay_small() -> None:
         longest_body = LONGER_FOR_A_REASON.get(name, LONGEST_FUNCTION)
         if (lines := len(text.splitlines())) > LONGEST_FILE:
             too_long[name] = lines
-        bodies = ((f"{name}:{function}", lines) for function, lines in _bodies(ast.parse(text)))
+        bodies = ((f"{name}:{function}", lines) for function, lines in _bodies(parsed(text)))
         too_long |= {part: lines for part, lines in bodies if lines > longest_body}
 
     assert too_long == {}

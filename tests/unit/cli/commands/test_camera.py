@@ -119,6 +119,7 @@ def test_pictures_without_boards_measure_nothing(pirate: Any, mine: Path) -> Non
     assert mine.read_text("utf-8") == before
 
 
+@pytest.mark.thorough  # it fits a lens several times
 def test_a_board_in_a_bad_picture_is_left_out_by_the_name_of_its_file(
     pirate: Any, mine: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
