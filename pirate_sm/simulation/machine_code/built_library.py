@@ -9,7 +9,7 @@ import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache, partial
-from itertools import accumulate, chain
+from itertools import accumulate
 from operator import is_, itemgetter
 from pathlib import Path
 from types import FunctionType, ModuleType
@@ -50,7 +50,10 @@ def callable_from_python(entry: EntryPoint, function: Any) -> Callable[..., Any]
 
     def call(*arguments: Any) -> Any:
         if grouped:
-            arguments = tuple(chain.from_iterable(_members(each) for each in arguments))
+            flat: list[Any] = []
+            for each in arguments:  # faster than by a generator; a glide has forty
+                flat += each if isinstance(each, tuple) else (each,)
+            arguments = tuple(flat)
         if len(arguments) != expected:
             raise TypeError(f"{entry.name} takes {expected} arguments, not {len(arguments)}")
         block = places.of(arrays_of(arguments))
@@ -67,10 +70,6 @@ def callable_from_python(entry: EntryPoint, function: Any) -> Callable[..., Any]
 
     call.again = partial(callable_from_python, entry, function)  # type: ignore[attr-defined]
     return call
-
-
-def _members(argument: Any) -> tuple[Any, ...]:
-    return argument if isinstance(argument, tuple) else (argument,)
 
 
 def own_call(function: _F) -> _F:

@@ -35,7 +35,7 @@ from pirate_sm.core._engine.robot.robot_state import (
 )
 from pirate_sm.core._engine.robot.why_not_done import why_not_clamped
 from pirate_sm.core._engine.sensing.environment import Surveyed, announced, held_parts, joint_around
-from pirate_sm.core._engine.sensing.known_signals import Sensing
+from pirate_sm.core._engine.sensing.plausibility import BoardMemory
 from pirate_sm.core._engine.state import EngineState, MissionState
 from pirate_sm.core._expressions import Expression, tree
 from pirate_sm.core._expressions.compiler import Code, Words, code_of, never_true, words_in
@@ -221,10 +221,15 @@ class Lookout:
         self._codes = _codes_of(robot)
         self._moment = Moment(robot, program, nominal=False, now_s=0.0)
         self._last: tuple[EngineState, Watch, float] | None = None
+        self._records: tuple[BoardMemory, ...] = ()
+        self._believed = True
 
     def watch(self, state: EngineState) -> Watch | None:
         """Return what must stay true; None where every frame must go through the engine."""
-        if not (_calm(state) and _sensors_are_calm(self._robot, state.sensing)):
+        records = state.sensing.records
+        if records is not self._records:
+            self._records, self._believed = records, _believed(self._robot, records)
+        if not (self._believed and _calm(state)):
             return None
         if self._judges(state):
             return None
@@ -372,10 +377,10 @@ def _calm(state: EngineState) -> bool:
     )
 
 
-def _sensors_are_calm(robot: RobotSpec, sensing: Sensing) -> bool:
+def _believed(robot: RobotSpec, records: Sequence[BoardMemory]) -> bool:
     """Return whether every sensor is believed."""
     hold_back = robot.plausibility.hold_back
-    return not any(record.special or record.seen <= hold_back for record in sensing.records)
+    return not any(record.special or record.seen <= hold_back for record in records)
 
 
 def _runs(mission: MissionState) -> bool:
