@@ -64,6 +64,7 @@ class CheckProcess:
         self._mission: LoadedMission | None = None
         self._process: BaseProcess | None = None
         self._connection: Connection | None = None
+        self._left = False
 
     def __enter__(self) -> Self:
         """Start the process."""
@@ -71,7 +72,8 @@ class CheckProcess:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End the process, whatever it is doing."""
+        """End the process, whatever it is doing; who still waits for an answer gets none."""
+        self._left = True
         self._end()
 
     def ask(self, function: Callable[_P, _R], *arguments: _P.args, **named: _P.kwargs) -> _R:
@@ -87,7 +89,11 @@ class CheckProcess:
                     answer = self._answer(_Call(function, arguments, named))
                     return cast(_R, answer)
                 self._end()
-                self._start()
+                if not self._left:
+                    self._start()
+                if self._left:  # also while it was started: nobody else would end it
+                    self._end()
+                    raise CancelledError
         raise RuntimeError("the process that checks missions has ended by itself")
 
     def _answer(self, call: _Call) -> Any:

@@ -127,3 +127,12 @@ def test_it_ends_with_the_console() -> None:
 def test_leaving_does_not_wait_for_an_answer() -> None:
     with CheckProcess(leaving=lambda: True) as process, pytest.raises(CancelledError):
         process.ask(time.sleep, 3600)
+
+
+def test_whoever_asks_when_it_was_left_gets_no_answer_and_starts_no_process() -> None:
+    """One was started again, which nobody ended."""
+    with CheckProcess() as process:
+        assert process.ask(os.getpid) != os.getpid()
+
+    with pytest.raises(CancelledError):
+        process.ask(os.getpid)
