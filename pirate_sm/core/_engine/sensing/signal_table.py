@@ -204,12 +204,18 @@ class _TableCompiler:
     def _derived(self, board: BoardSpec) -> Iterable[Row]:
         robot, layout, constant = self._robot, self._layout, self._constant
         for each in board.derived:
-            a, b, c = (*each.sources, 0, 0)[:3]
+            first, *others = each.sources
             if each.how == "torque":
-                b, c = layout.force + each.slot, constant(each.factor)
+                others = [layout.force + each.slot, constant(each.factor)]
             elif each.how == "diameter":
-                b, c = constant(each.factor), constant(each.more)
-            yield _OPERATIONS[each.how], each.target, a, b, c
+                others = [constant(each.factor), constant(each.more)]
+            nothing = constant(0.0)
+            while True:
+                b, c = (*others, nothing, nothing)[:2]
+                yield _OPERATIONS[each.how], each.target, first, b, c
+                first, others = each.target, others[2:]
+                if not others:  # a norm of more signals continues from that of the first three
+                    break
         places = [wheel.place for wheel in robot.wheels]
         for wheel in board.wheels:
             at = 2 + places.index(wheel.place) * op.WHEEL

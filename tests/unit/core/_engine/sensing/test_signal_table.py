@@ -131,6 +131,20 @@ def test_roll_and_pitch_are_those_of_gravity(drive, acceleration, roll, pitch):
     assert math.degrees(signals["pitch"]) == pytest.approx(pitch)
 
 
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 6])
+def test_belief_a_norm_is_of_all_its_signals_and_of_no_others(drive, tmp_path, count):
+    """The first signal of the robot counted as a missing one, and a fourth one did not count."""
+    of = ["neck", "hip", "roll_b", "hip", "neck", "roll_b"][:count]
+    norm = f"derived:\n  size: {{norm_of: [{', '.join(of)}]}}"
+    driver = drive(IDLE, changed_newt(tmp_path, ("derived:", norm)))
+
+    frame(driver, 40, (300.0, 0.0), 0.1)
+    signals = frame(driver, 3, (200.0, 100.0, 0.0, -50.0, 0.0), 0.11)
+
+    assert abs(signals["roll_a"]) > 0
+    assert signals["size"] == pytest.approx(math.hypot(*(signals[each] for each in of)))
+
+
 def test_the_diameter_is_that_of_the_clamped_v(drive):
     driver = drive(IDLE)
     angle = 2 * math.asin(0.072 / 0.09)
