@@ -208,7 +208,8 @@ class Exchange:
 
     def receive(self, data: bytes, now: float) -> None:
         """Handle bytes from the port."""
-        self._notice_silence(now)  # this program may have stood still while it waited for them
+        if self.outage is None and not self.aside:
+            self._notice_silence(now)  # this program may have stood still while it waited for them
         dropped = self.conversation.dropped
         for heard in self.conversation.receive(data, now):
             if isinstance(heard, TopicsKnown):
@@ -372,8 +373,9 @@ class Exchange:
         if outage is None:
             self.given_up = False
         elif not outage.back:
+            longer = outage.answered_s < inf  # it was too long before a relapse
             outage.return_(now, self.heard, bool(self.safe_frame()))
-            self.brief = self._recovery.is_brief(outage, self.conversation.silence_s)
+            self.brief = not longer and self._recovery.is_brief(outage, self.conversation.silence_s)
             if self.brief:
                 self.outage = None
                 awake_s = max(0.0, self.conversation.silence_s - self._silent_s)

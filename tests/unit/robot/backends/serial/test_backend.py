@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from math import inf, isnan, nan
 from pathlib import Path
@@ -51,6 +52,22 @@ def results(told: list[tuple[float, Event]]) -> list[SubmitResult]:
 
 def faults(told: list[tuple[float, Event]]) -> list[FaultReport]:
     return [event for _, event in told if isinstance(event, FaultReport)]
+
+
+def stalling(
+    port: VirtualPort, monkeypatch: pytest.MonkeyPatch, when: Callable[[], bool], stall_s: float
+) -> None:
+    """Let this program stand still once, while it waits for reports."""
+    read = port.read
+
+    def stalled(until_s: float) -> bytes:
+        if not when():
+            return read(until_s)
+        monkeypatch.setattr(port, "read", read)
+        port.wait(port.now() + stall_s)
+        return read(port.now() + 0.1)
+
+    monkeypatch.setattr(port, "read", stalled)
 
 
 @pytest.fixture(scope="module")
@@ -404,19 +421,53 @@ def test_belief_no_board_was_silent_while_this_program_stood_still_as_it_waited_
     """It was `sensor.silent`: 1.2 s had passed in the mission when the first board was heard."""
     backend.open()
     run(backend, 1.0)
-    read = port.read
+    stalling(port, monkeypatch, lambda: True, 1.2)
 
-    def stand_still(until_s: float) -> bytes:
-        monkeypatch.setattr(port, "read", read)
-        port.wait(port.now() + 1.2)
-        return read(port.now() + 0.1)
-
-    monkeypatch.setattr(port, "read", stand_still)
     now_s, events = backend.advance(10.0)
     told = [(now_s, event) for event in events] + run(backend, 4.0)
 
     assert now_s == pytest.approx(1.4, abs=0.05)
     assert not faults(told)
+
+
+@pytest.mark.parametrize("stall_s", [0.3, 0.6, 1.0])
+def test_belief_an_outage_is_not_forgotten_when_this_program_stands_still_in_it(
+    backend: SerialBackend,
+    device: Device,
+    port: VirtualPort,
+    monkeypatch: pytest.MonkeyPatch,
+    stall_s: float,
+) -> None:
+    """The last silence alone was short, so it was no fault that the controller had hung."""
+    clamp(backend)
+    device.hung_until_s = port.now() + 1.5
+
+    def is_back() -> bool:
+        outage = backend.exchange.outage
+        return outage is not None and outage.back
+
+    stalling(port, monkeypatch, is_back, stall_s)
+
+    assert [each.code for each in faults(run(backend, 3.0))] == ["firmware.reset"]
+
+
+@pytest.mark.parametrize("stall_s", [0.3, 0.6, 1.0])
+def test_a_standstill_as_an_outage_is_judged_adds_nothing_to_mission_time(
+    backend: SerialBackend,
+    device: Device,
+    port: VirtualPort,
+    monkeypatch: pytest.MonkeyPatch,
+    stall_s: float,
+) -> None:
+    """The silence of the controller, which mission time leaves out, had passed in it."""
+    backend.open()
+    run(backend, 1.0)
+    device.hung_until_s = port.now() + 1.5
+    stalling(port, monkeypatch, lambda: backend.exchange.aside, stall_s)
+
+    (told_s,) = [at for at, each in run(backend, 3.0) if isinstance(each, FaultReport)]
+
+    assert told_s == pytest.approx(1.4, abs=0.05)
 
 
 def test_nothing_is_told_of_sensors_before_the_reset_is(
