@@ -127,6 +127,12 @@ def test_a_mission_that_reads_the_distance_glides_between_two_judgements_of_it()
     assert assert_the_same(Order("climb")) > 1600  # of 1990; it was held for 20 s of them
 
 
+def test_the_distance_is_the_same_in_a_glide_where_a_wheel_is_not_believed() -> None:
+    order = Order("climb", defects=("wheel_2_dead",), detector="odometry")
+
+    assert assert_the_same(order, after_s=12.0) > 50
+
+
 @pytest.mark.parametrize("defect", ["gamma_2_stiff", "gamma_2_sticks"])
 @pytest.mark.parametrize("mission", ["mitre_bend", "take_elbow"])
 def test_defects_of_motors_and_of_values_let_frames_be_taken(mission: str, defect: str) -> None:
