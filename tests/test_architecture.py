@@ -19,14 +19,8 @@ TEXTS = {
     file.relative_to(PACKAGE).as_posix(): file.read_text(encoding="utf-8")
     for file in sorted(PACKAGE.rglob("*.py"))
 }
-
-
-@cache
-def parsed(text: str) -> ast.Module:
-    return ast.parse(text)
-
-
 """The source files by their names in the package."""
+
 _WORD = re.compile(r"[A-Za-z]\w*")
 LONGEST_FILE = 500
 LONG_FILE, MOST_LONG_FILES = 400, 65
@@ -63,6 +57,11 @@ OUR_NAME = re.compile(
     r"""|\bpirate:(?=\[| allow|")|\bpirate\.toml\b"""
 )
 OUR_COMMAND = re.compile(r"""["'`]pirate["'`]|\bpirate (?=\{hint\})""")
+
+
+@cache
+def parsed(text: str) -> ast.Module:
+    return ast.parse(text)
 
 
 def _names(node: object) -> Iterator[str]:

@@ -40,7 +40,7 @@ def count_cases(suite: Element) -> None:
     suite.attrib |= {
         "tests": str(len(suite)),
         "failures": str(sum(case.find("failure") is not None for case in suite)),
-        "errors": "0",
+        "errors": str(sum(case.find("error") is not None for case in suite)),
         "skipped": str(sum(case.find("skipped") is not None for case in suite)),
     }
 

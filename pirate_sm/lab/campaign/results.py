@@ -349,19 +349,21 @@ def _cause_lines(cause: CauseResult) -> Iterator[str]:
 
 
 def as_junit(result: CampaignResult) -> str:
-    """Return the result as a suite that fails where a cell is not as expected."""
+    """Return the result as a suite; a cell fails that is not as expected or lacks results."""
     name = visible(result.name)
     suite = Element("testsuite", name=name)
     for cell in result.cells:
         case = SubElement(suite, "testcase", name=visible(cell.name), classname=name, time="0")
-        if not cell.runs:
-            SubElement(case, "skipped", message="no runs")
-        elif cell.good:
-            SubElement(case, "system-out").text = _body(cell)
-        else:
+        if cell.runs and not cell.good:
             kind = "bug" if cell.bugs else "expectation"
             what = ", ".join(cell.missed) or "an internal error"
             SubElement(case, "failure", type=kind, message=what).text = _body(cell)
+        elif cell.without_result:
+            SubElement(case, "error", type="incomplete", message=cell.incomplete)
+        elif not cell.runs:
+            SubElement(case, "skipped", message="no runs")
+        else:
+            SubElement(case, "system-out").text = _body(cell)
     for left_out in result.left_out:
         case = SubElement(suite, "testcase", name=visible(left_out), classname=name, time="0")
         SubElement(case, "skipped", message="a cell before it is not as expected")

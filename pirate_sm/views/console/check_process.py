@@ -91,7 +91,7 @@ class CheckProcess:
                 self._end()
                 if not self._left:
                     self._start()
-                if self._left:  # also while it was started: nobody else would end it
+                if self._left:  # also while it was started, so that it does not stay
                     self._end()
                     raise CancelledError
         raise RuntimeError("the process that checks missions has ended by itself")
@@ -116,8 +116,9 @@ class CheckProcess:
     def _start(self) -> None:
         context = get_context("spawn")
         ours, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
-        self._process.start()
+        process = context.Process(target=_serve, args=(theirs,), daemon=True)
+        process.start()
+        self._process = process  # only now, since it may be ended meanwhile
         theirs.close()
         self._connection, self._mission = ours, None
 

@@ -2,7 +2,8 @@
 
 Calls are inlined and repeats unrolled (:mod:`pirate_sm.core._loading.mission.program`), so a
 program has no variables and no stack. The program counter alone gives its position, and a checker
-can follow every path: :func:`successors`. :func:`signals_read` says by what it decides anything.
+can follow every path: :meth:`Program.successors`. :func:`signals_read` says by what it decides
+anything.
 """
 
 from __future__ import annotations

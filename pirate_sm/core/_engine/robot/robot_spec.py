@@ -190,7 +190,7 @@ class CommandSpec:
     @property
     def proof(self) -> Literal["sensor", "echo"]:
         """Return what it takes to show that the command is done."""
-        return "sensor" if self.done.demands else "echo"
+        return "echo" if self.done.kind == "accepted" else "sensor"
 
     def posture(self, configuration: int) -> PostureSpec | None:
         """Return the posture that precedes a change to this configuration, or None."""

@@ -209,13 +209,10 @@ class _TableCompiler:
                 others = [layout.force + each.slot, constant(each.factor)]
             elif each.how == "diameter":
                 others = [constant(each.factor), constant(each.more)]
-            nothing = constant(0.0)
-            while True:
-                b, c = (*others, nothing, nothing)[:2]
-                yield _OPERATIONS[each.how], each.target, first, b, c
-                first, others = each.target, others[2:]
-                if not others:  # a norm of more signals continues from that of the first three
-                    break
+            # A norm of more than three signals continues from that of the first three.
+            for at in range(0, max(len(others), 1), 2):
+                b, c = (*others[at : at + 2], constant(0.0), constant(0.0))[:2]
+                yield _OPERATIONS[each.how], each.target, first if not at else each.target, b, c
         places = [wheel.place for wheel in robot.wheels]
         for wheel in board.wheels:
             at = 2 + places.index(wheel.place) * op.WHEEL

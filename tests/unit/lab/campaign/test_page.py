@@ -106,10 +106,19 @@ def test_a_cell_without_runs_has_no_share_in_any_form(tmp_path: Path) -> None:
     assert ">no runs</a>" in page
     assert " 0.0%" not in page + text
     assert text.splitlines()[3].split() == ["b", "no", "runs"]
-    suite = fromstring(as_junit(read))
-    (skipped,) = suite.iter("skipped")
-    assert skipped.attrib["message"] == "no runs"
-    assert [each.attrib["skipped"] for each in suite.iter("testsuite")] == ["1"]
+
+
+def test_a_campaign_that_was_interrupted_has_an_error_in_junit_for_each_cell_without_results(
+    tmp_path: Path,
+) -> None:
+    """It had neither an error nor a failure, so that only the exit code showed it."""
+    suite = fromstring(as_junit(without_runs(tmp_path)))
+
+    assert [each.attrib["message"][:30] for each in suite.iter("error")] == [
+        "not complete: no result for 57",
+        "not complete: no result for 40",
+    ]
+    assert [each.attrib["errors"] for each in suite.iter("testsuite")] == ["2"]
 
 
 def test_what_is_missing_of_a_cell_is_said_and_is_not_as_expected(tmp_path: Path) -> None:

@@ -228,7 +228,7 @@ class Exchange:
         return events
 
     def take_left_out_s(self) -> float:
-        """Return, once, how long this program stood still while nobody could hear the device, s.
+        """Return, once, how long this program stood still without hearing the device, s.
 
         Mission time leaves this time out. Otherwise boards would seem silent, although their
         reports wait to be read, and reading them takes a busy computer a while.
