@@ -32,6 +32,10 @@ class Full(io.StringIO):
         raise OSError(errno.ENOSPC, "")
 
 
+MOST_OF_A_CHECK = 206
+"""Our modules that checking a mission imports."""
+
+
 def imported(line: str, **environment: str) -> tuple[str, set[str]]:
     """Return what a command line prints, and the modules that it imports."""
     program, *arguments = line.split()
@@ -67,6 +71,15 @@ def test_help_for_a_narrow_terminal_is_laid_out_and_imports_no_models(line: str)
     assert max(map(len, told.splitlines())) <= 60 < max(map(len, wide.splitlines()))
     assert "typer" in modules
     assert not modules & HEAVY - {"pydantic"}  # which typer itself imports
+
+
+def test_a_check_of_a_mission_imports_only_what_its_files_need() -> None:
+    """The number may only fall (decision 122)."""
+    told, modules = imported("pirate check sequences/drive_on.yaml", COLUMNS="80")
+
+    assert "1 mission checked" in told
+    ours = [each for each in modules if each.split(".")[0] == "pirate_sm"]
+    assert len(ours) <= MOST_OF_A_CHECK
 
 
 def test_a_command_imports_no_other_commands_options() -> None:
