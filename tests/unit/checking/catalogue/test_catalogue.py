@@ -26,6 +26,7 @@ SOURCES = [
     *(each for each in (PACKAGE / "core" / "_model").rglob("*.py") if each.name != "faults.py"),
     *sorted((PACKAGE / "robot").glob("*.py")),
     *sorted((PACKAGE / "robot" / "control_panel").glob("*.py")),
+    PACKAGE / "robot" / "backends" / "trace_script.py",
     PACKAGE / "cli" / "commands" / "check.py",
     PACKAGE / "cli" / "commands" / "new.py",
 ]
