@@ -309,5 +309,5 @@ def _write(place: Path, frame: object) -> None:
         raise UsageError(f"'{place}': expected a name that ends in .png or .jpg")
     made, content = cv2.imencode(place.suffix, frame)
     if not made:
-        raise UsageError(f"'{place}' cannot be written: the picture has no such form")
+        raise UsageError(f"'{place}' cannot be written: OpenCV makes no such file of it")
     write_bytes(place, content.tobytes())

@@ -260,7 +260,7 @@ def _writing(folder: Path) -> Iterator[None]:
         why = error.strerror or str(error)
         raise UsageError(
             f"results cannot be written to '{folder}': {why}; what was written before is "
-            "kept: make it possible, then continue with --resume"
+            "kept: once they can be written again, continue with --resume"
         ) from None
 
 

@@ -177,7 +177,7 @@ class Sensor:
     size: FrameSize
 
     def lit(self, frame: Frame) -> Frame:
-        """Return a drawn picture in the light on the setup."""
+        """Return a drawn picture as bright as the lamps of the setup make it."""
         return cv2.multiply(frame, self._light_map, scale=1 / _HALF)
 
     def taken(self, frame: Frame, chance: np.random.Generator) -> Frame:

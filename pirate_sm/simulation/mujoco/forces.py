@@ -109,7 +109,7 @@ class Motors:
         out["drive"][:] = np.where(ctrl != 0.0, driven, held)
 
     def disable_wheel(self, wheel: int, drag_nm: float) -> None:
-        """Let a wheel turn by its motor no more, and drag with this torque."""
+        """Stop driving a wheel; from now on it drags with this torque."""
         self._wheel_rate[wheel] = 0.0
         self._hold[wheel] = drag_nm
 

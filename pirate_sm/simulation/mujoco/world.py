@@ -187,7 +187,7 @@ class MujocoWorld:
         self.data.mocap_pos[self._obstacle] = (_FAR_M, _FAR_M, 0.0)
 
     def disable_wheel(self, wheel: int, drag_nm: float) -> None:
-        """Let a wheel turn by its motor no more, and drag with this torque."""
+        """Stop driving a wheel; from now on it drags with this torque."""
         self._motors.disable_wheel(wheel, drag_nm)
 
     def stiffen_joint(self, wheel: int, friction_nm: float) -> None:
@@ -195,7 +195,7 @@ class MujocoWorld:
         self._motors.stiffen_joint(wheel, friction_nm)
 
     def _read(self) -> None:
-        """Write all quantities."""
+        """Fill the arrays of all quantities from the physics."""
         self._arc[:] = [self._route.arc_of(place) for place in self.places()]
         self._contacts.read()
         self._motors.read(self.duties)

@@ -37,7 +37,7 @@ class DoneWhen(Frozen):
     LACKING: ClassVar[str]
 
     def told(self, angles: Mapping[str, str]) -> str:
-        """Return when it is met, for the page of a robot; by slot the names of its angles."""
+        """Return in words when it is met; ``angles`` has the names of the angles by slot."""
         raise NotImplementedError
 
 
