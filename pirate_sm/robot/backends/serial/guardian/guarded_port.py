@@ -7,6 +7,7 @@ import select
 import socket
 import subprocess
 import sys
+import threading
 import time
 from collections import deque
 from collections.abc import Callable
@@ -157,6 +158,7 @@ class GuardedPort:
         self._stopped = False
         self._remark = ""
         self._nice: int | None = None
+        self._thread = 0
 
     now = staticmethod(time.monotonic)
 
@@ -175,7 +177,9 @@ class GuardedPort:
         Raises:
             BackendError: The port cannot be opened, or the robot does not confirm its stop.
         """
-        self._nice = _hurry(_NICE)
+        # Another thread may close it, and a priority is that of a thread on Linux.
+        self._thread = threading.get_native_id() if sys.platform == "linux" else 0
+        self._nice = _hurry(_NICE, self._thread)
         left = self._start()
         if not self._await(lambda: self._opened or bool(self._refused), _STARTS_WITHIN_S):
             self._refused = "the guardian of the serial port does not answer"
@@ -184,6 +188,7 @@ class GuardedPort:
             refused = self._await_stop()
         if refused:
             going_on = self._leave(dismissed=left is None)
+            _hurry(self._nice, self._thread)
             raise BackendError("; ".join(filter(None, (refused, going_on))))
 
     def _start(self) -> LeftBehind | None:
@@ -243,7 +248,7 @@ class GuardedPort:
 
     def close(self, stopped: bool = False) -> None:
         """End the guardian, unless the robot has not confirmed its stop; closed twice as once."""
-        _hurry(self._nice)
+        _hurry(self._nice, self._thread)
         self._remark = self._leave(dismissed=stopped or not self._safe_frame) or self._remark
         self._safe_frame = b""  # a guardian stays with the robot, or none is needed
 
@@ -400,15 +405,16 @@ class GuardedPort:
                 pass  # kinds that only the runner sends
 
 
-def _hurry(nice: int | None) -> int | None:
-    """Give this thread, and those that it starts, a priority where that is allowed.
+def _hurry(nice: int | None, thread: int) -> int | None:
+    """Give a thread, and those that it starts, a priority where that is allowed; 0 is this one.
 
     Returns:
-        The priority before; None on a system without priorities.
+        The priority before; None where there is none.
     """
     if nice is None or not hasattr(os, "setpriority"):
         return None
-    before = os.getpriority(os.PRIO_PROCESS, 0)
-    with suppress(OSError):
-        os.setpriority(os.PRIO_PROCESS, 0, nice)
+    before = None
+    with suppress(OSError):  # it is not allowed, or the thread has ended
+        before = os.getpriority(os.PRIO_PROCESS, thread)
+        os.setpriority(os.PRIO_PROCESS, thread, nice)
     return before
