@@ -235,7 +235,8 @@ class Recorder:
         Args:
             ends: Whether a piece ends here.
         """
-        if self._real_time or sum(len(each.data) for each in self._unwritten) > _MOST_BYTES:
+        waiting = self._unwritten.copy()  # the thread takes pieces from it meanwhile
+        if self._real_time or sum(len(each.data) for each in waiting) > _MOST_BYTES:
             self._fail("the disk is too slow")
             return
         try:

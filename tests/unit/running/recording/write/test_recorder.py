@@ -208,6 +208,23 @@ def test_bytes_do_not_pile_up_before_a_disk_that_hangs(monkeypatch: pytest.Monke
     assert one.failure == "the disk is too slow"
 
 
+def test_pieces_may_be_written_while_it_is_counted_how_many_bytes_wait() -> None:
+    """A mission ended with an internal error: the thread had written one at this moment."""
+
+    class Written:
+        @property
+        def data(self) -> bytes:
+            one._unwritten.clear()
+            return b""
+
+    one = recorder(Memory())
+    one._unwritten.extend([Written(), Written()])  # type: ignore[list-item]
+    one._lend_a_hand(ends=False)
+    one.close()
+
+    assert not one.failure
+
+
 def test_a_fault_in_making_bytes_ends_the_recording_only() -> None:
     one = recorder(Memory())
     one.start((), 0.0, ())
