@@ -79,7 +79,7 @@ def test_a_command_that_a_pause_has_suspended_is_taken_over() -> None:
             assert any("the operator took over" in each for each in me.told())
             me.until(lambda: me.latest.state.robot.flight is None)
             program = me.latest.scene.loaded.program
-            assert me.latest.state.why_not_to(program, "regrip") == ""
+            assert me.latest.state.why_not_go_to(program, "regrip") == ""
 
     played(story)
 

@@ -265,7 +265,7 @@ class EngineState(NamedTuple):
             return "impossible: setpoints are in flight"
         return refusal(robot, body, index)
 
-    def why_not_on(self) -> str:
+    def why_not_resume(self) -> str:
         """Return why a paused mission cannot resume where it was; empty if it can, or runs."""
         before, body = self.mission.before_pause, self.robot
         if before is None:
@@ -280,7 +280,7 @@ class EngineState(NamedTuple):
             return "a command is under way"
         return ""
 
-    def why_not_to(self, program: Program, phase: str) -> str:
+    def why_not_go_to(self, program: Program, phase: str) -> str:
         """Return why the mission cannot resume at this phase now; empty if it can."""
         if program.enter(phase) is None:
             return "the mission has no such phase"

@@ -153,7 +153,7 @@ def situation_of(snapshot: Snapshot) -> HandBackSituation | None:
     program = snapshot.scene.loaded.program
     if state is None or not snapshot.scene.mission or snapshot.unheard_s:
         return None
-    if state.why_not_to(program, program.phase_of[program.start]):
+    if state.why_not_go_to(program, program.phase_of[program.start]):
         return None
     change = state_change(snapshot.scene.robot, state.robot)
     return HandBackSituation(id(snapshot.scene), state.robot.configuration, change.unconfirmed)
@@ -234,7 +234,7 @@ def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str
     state = snapshot.state
     if snapshot.over or state is None:
         return OVER if snapshot.over else OPENING
-    obstacle = _unheard(snapshot) or state.why_not_to(snapshot.scene.loaded.program, phase)
+    obstacle = _unheard(snapshot) or state.why_not_go_to(snapshot.scene.loaded.program, phase)
     if obstacle:
         return obstacle
     return LOOKING if entries is None else entries.get(phase, LOOKING)
@@ -295,7 +295,7 @@ def _why_not_go(snapshot: Snapshot, state: EngineState, entries: Entries | None)
     if snapshot.untouched:
         program = snapshot.scene.loaded.program
         return phase_reason(snapshot, program.phase_of[program.start], entries)
-    return state.why_not_on()
+    return state.why_not_resume()
 
 
 def _why_not_step(snapshot: Snapshot, state: EngineState, entries: Entries | None) -> str:

@@ -268,7 +268,7 @@ def _command(robot: LoadedRobot, name: str) -> Iterator[Block]:
     if command.posture:
         yield from _posture(profile, command.posture)
     angles = {slot.name: slot.roll or slot.name for slot in profile.slots}
-    yield Paragraph(f"when {command.done.told(angles)}.", "Done")
+    yield Paragraph(f"when {command.done.in_words(angles)}.", "Done")
     yield Paragraph(
         f"if that takes longer than {seconds(command.timeout)}; nominally it takes "
         f"{seconds(command.nominal)}.",

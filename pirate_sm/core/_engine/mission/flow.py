@@ -108,7 +108,7 @@ def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState
     before = mission.before_pause
     if before is None:
         return state._replace(mission=mission._replace(pause_wanted=one_step))
-    obstacle = state.why_not_on() or _missing(moment, state)
+    obstacle = state.why_not_resume() or _missing(moment, state)
     if obstacle:
         moment.warn(f"still paused: {obstacle}")
         return state
@@ -172,7 +172,7 @@ def await_sight(moment: Moment, state: EngineState) -> EngineState:
     mission, body = state.mission, state.robot
     if not mission.paused or body.awaited is not None:
         return state
-    if state.why_not_on():  # the operator has given a command meanwhile
+    if state.why_not_resume():  # the operator has given a command meanwhile
         return state._replace(mission=mission._replace(sight_until_s=inf))
     missing, late = _missing(moment, state), has_come(moment.now_s, mission.sight_until_s)
     steps = bool(mission.since) and not mission.begun
@@ -217,7 +217,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
     :mod:`pirate_sm.checking.plans`.
     """
     here = robot_state.state_change(moment.robot, state.robot)
-    obstacle = state.why_not_to(moment.program, event.phase)
+    obstacle = state.why_not_go_to(moment.program, event.phase)
     if not obstacle and here != (event.states, event.unconfirmed):
         obstacle = "the robot's states have changed since they were checked"
     if obstacle:
@@ -227,7 +227,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
     if body.motion is not None:
         body = commands.fail(moment, body, TAKEN_OVER)
     begin = moment.program.beginning(event.phase, body.control)
-    assert begin is not None  # `why_not_to` has looked
+    assert begin is not None  # `why_not_go_to` has looked
     moment.emit(Log("info", f"handed back at {event.phase}"))
     mission = _running(moment, mission).at(begin)._replace(handling="", cause="")
     return state._replace(robot=body, mission=mission)

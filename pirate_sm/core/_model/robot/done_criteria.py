@@ -36,7 +36,7 @@ class DoneWhen(Frozen):
     SHOWN: ClassVar[str]
     LACKING: ClassVar[str]
 
-    def told(self, angles: Mapping[str, str]) -> str:
+    def in_words(self, angles: Mapping[str, str]) -> str:
         """Return in words when it is met; ``angles`` has the names of the angles by slot."""
         raise NotImplementedError
 
@@ -98,7 +98,7 @@ class Accepted(DoneWhen):
 
     kind: Literal["accepted"]
 
-    def told(self, angles: Mapping[str, str]) -> str:
+    def in_words(self, angles: Mapping[str, str]) -> str:
         """Return when it is met, in words."""
         return "its setpoints are accepted: no sensor shows more"
 
@@ -123,7 +123,7 @@ class Stalled(DoneWhen, Load):
     still: Annotated[AngularSpeed, Field(gt=0)]
     for_s: Annotated[Duration, Field(alias="for", ge=0)]
 
-    def told(self, angles: Mapping[str, str]) -> str:
+    def in_words(self, angles: Mapping[str, str]) -> str:
         """Return when it is met, in words."""
         stand = "stands" if len(self.joints) == 1 else "stand"
         bear = "bears" if len(self.loaded) == 1 else "each bear"
@@ -162,7 +162,7 @@ class Reached(DoneWhen, Weak):
     moved: Annotated[Angle, Field(ge=0)] = 0.0
     for_s: Annotated[Duration, Field(alias="for", ge=0)] = 0.0
 
-    def told(self, angles: Mapping[str, str]) -> str:
+    def in_words(self, angles: Mapping[str, str]) -> str:
         """Return when it is met, in words."""
         lasting = _lasting(self.for_s)
         if self.or_still is None:
@@ -197,7 +197,7 @@ class Turning(DoneWhen):
             raise ValueError("give either `share` or `above`")
         return self
 
-    def told(self, angles: Mapping[str, str]) -> str:
+    def in_words(self, angles: Mapping[str, str]) -> str:
         """Return when it is met, in words."""
         fast = f"{(self.share or 0.0) * 100:g} % of its motor's speed without load"
         fast = fast if self.above is None else f"{self.above:g} rad/s"
@@ -222,7 +222,7 @@ class Stopped(DoneWhen):
     below: Annotated[AngularSpeed, Field(gt=0)]
     for_s: Annotated[Duration, Field(alias="for", ge=0)] = 0.0
 
-    def told(self, angles: Mapping[str, str]) -> str:
+    def in_words(self, angles: Mapping[str, str]) -> str:
         """Return when it is met, in words."""
         slow = f"no wheel that can be heard turns faster than {self.below:g} rad/s"
         return f"{slow}{_lasting(self.for_s)}"
@@ -247,7 +247,7 @@ class Aligned(DoneWhen):
     within: Annotated[Angle, Field(gt=0)]
     leaning: Annotated[Angle, Field(ge=0)] = 0.0
 
-    def told(self, angles: Mapping[str, str]) -> str:
+    def in_words(self, angles: Mapping[str, str]) -> str:
         """Return when it is met, in words, with the name of the angle of each slot."""
         names = listed(angles[name] for name in self.slots)
         return f"{names} is within {in_degrees(self.within)} of its setpoint"
@@ -271,7 +271,7 @@ class Below(DoneWhen):
     limit: AnyQuantity
     for_s: Annotated[Duration, Field(alias="for", ge=0)] = 0.0
 
-    def told(self, angles: Mapping[str, str]) -> str:
+    def in_words(self, angles: Mapping[str, str]) -> str:
         """Return when it is met, in words."""
         limit = format_quantity(self.limit.value, self.limit.dimension)
         limit = in_degrees(self.limit.value) if self.limit.dimension == ANGLE else limit

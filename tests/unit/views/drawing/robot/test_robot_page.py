@@ -73,7 +73,7 @@ def test_only_the_command_that_may_open_the_last_clamp_says_so(robot):
 def test_each_command_is_done_when_something_shows_it(robot):
     angles = {slot.name: "its angle" for slot in robot.profile.slots}
     for name, command in robot.profile.commands.items():
-        text = command.done.told(angles)
+        text = command.done.in_words(angles)
         assert len(text) > 20, name
         assert not text.endswith(" ")
 
