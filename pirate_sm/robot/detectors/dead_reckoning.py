@@ -200,7 +200,7 @@ class Reckoner:
         self._odometer = odometer
         self._flat = route.section == "bars"
         self._rolls = not self._flat and body.roll >= 0
-        self._posed = lru_cache(maxsize=4)(self._pose)  # places are tried with one pose
+        self._posed = lru_cache(self._pose)  # places are tried with one pose
         self._walls = KnownWalls(route, body.wheel_radius_m, sum(body.lengths_m))
 
     def unknown(self, numbers: Sequence[float]) -> list[int]:
@@ -252,9 +252,7 @@ class Reckoner:
         counted = self._counted(numbers, before.odometer_m)
         moved_m = counted - before.odometer_m
         anchors = held or frozenset({WHOLE})
-        if anchors - before.spots.keys():  # a part has clamped since, and its joints have moved
-            before = self._shaped(before, numbers)
-        spots = self._carried(before, anchors, moved_m)
+        spots = self._carried(before, numbers, anchors, moved_m)
         if not spots:
             return self._nowhere(counted, min(held, default=WHOLE))
         if felt is not None and felt.part in spots:
@@ -297,15 +295,16 @@ class Reckoner:
         return before._replace(chain=chain, places_m=self._places(chain, spot))
 
     def _carried(
-        self, before: Reckoned, anchors: frozenset[int], moved_m: float
+        self, before: Reckoned, numbers: Sequence[float], anchors: frozenset[int], moved_m: float
     ) -> dict[int, AnchorSpot]:
         """Return the places of those anchors that are known, moved by the odometer."""
         spots: dict[int, AnchorSpot] = {}
         known = not all(isnan(spot.roll_rad) for spot in before.spots.values())
         for anchor in anchors:
             spot = before.spots.get(anchor)
-            if spot is None:  # a new anchor: the chain gives its place
-                spot = self._stand(anchor, before.chain, before.places_m)
+            if spot is None:  # a part has clamped since, and its joints have moved
+                shaped = self._shaped(before, numbers)
+                spot = self._stand(anchor, shaped.chain, shaped.places_m)
                 if spot is not None and not self._flat and (anchor == WHOLE or not known):
                     spot = spot._replace(roll_rad=nan)
             if spot is not None:
@@ -329,7 +328,7 @@ class Reckoner:
 
     def straight(self, numbers: Sequence[float], spots: dict[int, AnchorSpot]) -> bool:
         """Return whether each anchor lies along its leg, and all along one axis."""
-        if not (spots and all(self.lies(numbers, at, spot.middle_m) for at, spot in spots.items())):
+        if not all(self.lies(numbers, at, spot.middle_m) for at, spot in spots.items()):
             return False
         headings = [self._body.heading_in_pipe(numbers, part, 0) for part in spots]
         return max(headings) - min(headings) <= _ONE_AXIS_RAD
@@ -420,7 +419,7 @@ class Reckoner:
         turn = body.lean(shape, wheels, aside_m)
         c, s = cos(turn), sin(turn)
         laid = [(x * c - y * s, x * s + y * c) for x, y in shape]
-        forward = -_mean([laid[wheel][0] for wheel in at or wheels])
+        forward = -_mean([x for x, _ in (laid[wheel] for wheel in at or wheels)])
         across = _mean([body.sides[wheel] * aside_m - laid[wheel][1] for wheel in wheels])
         return [(x + forward, y + across) for x, y in laid]
 

@@ -234,7 +234,7 @@ class Odometry:
         self._detector = WordDetector(words, errors, route.bends, valid_for_s)
         self._ahead = RouteReport(route, valid_for_s)
         self._said: tuple[Event | None, ...] = ()
-        self._shapes: deque[Shape] = deque(["unknown"] * _SHAPES, _SHAPES)
+        self._shapes: deque[Shape] = deque(["unknown"], _SHAPES)
         self._doubted_m = self._bent_m = nan
         behind = [word for word in words if word.name in robot.words_behind]
         ways_m = [point.passed_m for word in behind for point in (word.forward, word.backward)]
@@ -298,9 +298,8 @@ class Odometry:
         Until a command has arrived, and while a word waits for the shape, that is soon.
         """
         assert self.reckoned is not None, "the caller has just reckoned"
-        begins = state.robot.flight is not None or self._robot.travel(state.robot.latest) != travel
         unsure = self._detector.due in barred or any(map(isnan, self.reckoned.places_m))
-        if begins or unsure:
+        if state.robot.flight is not None or unsure:
             return LOOK_EVERY_S
         rest_s = self._ahead.wait_s(self.reckoned.places_m, self._top_m_s) if travel else inf
         return max(LOOK_EVERY_S, min(rest_s, self._detector.wait_s(self._top_m_s)))

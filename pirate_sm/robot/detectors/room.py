@@ -115,11 +115,8 @@ def _tubes(pieces: Sequence[Piece], wheel_m: float, loose: tuple[bool, bool]) ->
     found = []
     for number, piece in enumerate(pieces):
         # The outer wall goes on beyond a mitre by what its cut takes of the inner wall.
-        radii_m = piece.diameter_m / 2, piece.ends_with_m / 2
-        before_m, behind_m = (
-            taken_m * (1.0 - wheel_m / radius_m)
-            for taken_m, radius_m in zip(piece.taken_m, radii_m, strict=True)
-        )
+        share = 1.0 - wheel_m / (piece.diameter_m / 2)
+        before_m, behind_m = (taken_m * share for taken_m in piece.taken_m)
         found.append(
             _Tube(
                 piece,
@@ -130,32 +127,42 @@ def _tubes(pieces: Sequence[Piece], wheel_m: float, loose: tuple[bool, bool]) ->
     return tuple(found)
 
 
+class _Arm(NamedTuple):
+    """A tube that begins or ends where it meets others."""
+
+    tube: _Tube
+    begins: bool
+
+    @property
+    def out(self) -> Vector:
+        """Return the direction in which it leaves that place."""
+        piece = self.tube.piece
+        ahead = piece.frame.ahead
+        return ahead if self.begins else scaled(-1.0, piece.frame_at(piece.ends_m).ahead)
+
+
+def _edge(corner: Vector, one: _Arm, other: _Arm) -> _Edge:
+    return _Edge((one.tube, other.tube), corner, combined((1.0, one.out), (1.0, other.out)))
+
+
 def _mitres(tubes: Sequence[_Tube]) -> Iterator[_Edge]:
     """Yield the edges of the mitres of a run."""
     for before, after in pairwise(tubes):
         if before.piece.bend is not None:
-            corner, back = after.piece.frame.origin, scaled(-1.0, before.piece.frame.ahead)
-            inward = combined((1.0, back), (1.0, after.piece.frame.ahead))
-            yield _Edge((before, after), corner, inward)
+            corner = after.piece.frame.origin
+            yield _edge(corner, _Arm(before, begins=False), _Arm(after, begins=True))
 
 
 def _mouth(route: Route, tee: str, runs: Mapping[str, Sequence[_Tube]]) -> Iterator[_Edge]:
     """Yield the edges of the mouth of a tee."""
     arms = [
-        (runs[name][0 if begins else -1], begins)
+        _Arm(runs[name][0 if begins else -1], begins)
         for name, begins in route.network.meet_at(tee)
         if name in runs
     ]
-    corner = route.placement.tees[tee].origin
-    for (one, one_begins), (other, other_begins) in combinations(arms, 2):
-        ways = _out(one.piece, begins=one_begins), _out(other.piece, begins=other_begins)
-        if dot(*ways) > _OPPOSITE:
-            yield _Edge((one, other), corner, combined((1.0, ways[0]), (1.0, ways[1])))
-
-
-def _out(piece: Piece, *, begins: bool) -> Vector:
-    """Return the direction in which a piece leaves the place where it begins or ends."""
-    return piece.frame.ahead if begins else scaled(-1.0, piece.frame_at(piece.ends_m).ahead)
+    for one, other in combinations(arms, 2):
+        if dot(one.out, other.out) > _OPPOSITE:
+            yield _edge(route.placement.tees[tee].origin, one, other)
 
 
 def _loose(route: Route, run: str) -> tuple[bool, bool]:

@@ -12,6 +12,7 @@ import pytest
 
 from pirate_sm.core._engine.robot.robot_state import LAPSED
 from pirate_sm.core.companion import Onlooker
+from pirate_sm.core.effects import CommandStatus, Effect, Log, Setpoints, StateChange
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import DetectorWord, Event, FaultReport
@@ -323,6 +324,7 @@ class Reckoning:
         self.shape: Shape = "fits"
         self.is_straight = True
         self.way_m, self.front_m = 0.0, 0.5
+        self.hidden = -1
         self.spots: Mapping[int, AnchorSpot] = {0: AnchorSpot(0.5, 0.1), 1: AnchorSpot(0.4, 0.2)}
         self.silent: list[int] = []
         self.lying: Sequence[int] = (0, 1)
@@ -350,7 +352,9 @@ class Reckoning:
 
     @property
     def reckoned(self) -> Reckoned:
-        places_m = tuple(self.front_m - 0.05 * wheel for wheel in range(6))
+        places_m = tuple(
+            nan if wheel == self.hidden else self.front_m - 0.05 * wheel for wheel in range(6)
+        )
         points = tuple((place, 0.01, 0.02) for place in places_m)
         chain = ChainInSpace(points, DRAWING, DRAWING)
         at = places_m, chain, self.way_m, 1, dict(self.spots), 0.0
@@ -437,6 +441,20 @@ def test_belief_in_a_passed_bend_needs_joints_that_have_moved_in_it(stiff: str) 
         assert misfit == f"{stiff} has not moved in the bend"
         reckoning.announced(in_bend=False)
         assert [reckoning.word(2.0 + 0.1 * step) for step in range(4)][-1] == "past"
+
+
+@pytest.mark.parametrize(("least_deg", "passed"), [(5, True), (9, False)])
+def test_joints_move_in_a_bend_by_what_is_between_their_least_and_largest_angle(
+    least_deg: float, passed: bool
+) -> None:
+    """They begin in it before the next word is due, and move on while it is."""
+    reckoning = Reckoning()
+    reckoning.announced(in_bend=True)
+    for front_m, angle_deg in ((0.95, 16), (1.2, least_deg), (1.25, 16)):
+        reckoning.front_m = front_m
+        reckoning.shows(front_m, **dict.fromkeys(BENT, radians(angle_deg)))
+
+    assert ("past" in [reckoning.word(2.0 + 0.1 * step) for step in range(4)]) is passed
 
 
 def test_of_a_bend_in_which_it_began_nobody_knows_how_the_joints_moved() -> None:
@@ -568,6 +586,21 @@ def test_a_place_that_is_lost_while_the_hold_changes_stays_for_a_moment(
     ]
 
 
+def test_the_moment_in_which_a_place_is_kept_begins_when_it_was_known_last(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    reckoning = Reckoning()
+    reckoning.shows(5.0)
+    reckoning.shows(5.8)
+    known = reckoning.companion.reckoned
+    looks = iter([known._replace(spots={}), known, known._replace(spots={})])
+    monkeypatch.setattr(
+        reckoning.companion, "_reckoner", SimpleNamespace(look=lambda *_: next(looks))
+    )
+
+    assert reckoning.companion._follow(known, [], frozenset({0}), Felt(1, 0.5), 6.7) is known
+
+
 def test_a_fault_of_the_place_is_said_with_the_words() -> None:
     reckoning = Reckoning()
     reckoning.shape = "contradicts"
@@ -616,3 +649,93 @@ def test_what_was_rolled_before_a_restart_counts_on() -> None:
 
     assert companion.reckoned.odometer_m == 0.0
     assert (companion._bent_m, companion._doubted_m) == pytest.approx((-0.05, -0.1))
+
+
+def rest_s(reckoning: Reckoning, now_s: float = 1.0) -> float:
+    """After what time it looks again, once no command is on its way."""
+    body = reckoning.state.robot._replace(flight=None)
+    reckoning.state = reckoning.state._replace(robot=body)
+    reckoning.shows(now_s)
+    return reckoning.companion.due_s - now_s
+
+
+@pytest.mark.parametrize(
+    ("front_m", "rest", "why"),
+    [
+        (0.97, 0.15, "nothing is near"),
+        (0.93, 0.05, "a word begins 10 mm on"),
+        (0.99, 0.1, "a joint is 10 mm on"),
+        (1.24, 0.1, "the last wheel has passed it by 10 mm"),
+        (1.4, 0.15, "the bend is passed"),
+    ],
+)
+def test_looks_are_seldom_unless_a_wheel_is_near_to_what_changes_the_report(
+    front_m: float, rest: float, why: str
+) -> None:
+    reckoning = Reckoning()
+    reckoning.front_m = front_m
+    for step in range(4):
+        found = rest_s(reckoning, 1.0 + 0.1 * step)
+
+    assert found == pytest.approx(rest, abs=1e-3), why
+
+
+def test_looks_are_seldom_wherever_a_robot_stands() -> None:
+    reckoning = Reckoning()
+    reckoning.front_m = 0.99
+    values = (0.0,) * len(reckoning.state.robot.values)
+    reckoning.state = reckoning.state._replace(
+        robot=reckoning.state.robot._replace(values=values, flight=None)
+    )
+
+    assert rest_s(reckoning) == pytest.approx(0.15)
+
+
+def test_it_looks_often_while_a_command_is_on_its_way_or_the_place_of_a_wheel_is_unknown() -> None:
+    reckoning = Reckoning()
+    reckoning.front_m = 0.97
+    reckoning.shows(1.0)
+    assert reckoning.state.robot.flight is not None
+    assert reckoning.companion.due_s == pytest.approx(1.05)
+    reckoning.hidden = 1
+    assert rest_s(reckoning) == pytest.approx(0.05)
+
+
+def test_it_looks_often_while_a_word_waits_for_the_shape() -> None:
+    reckoning = Reckoning()
+    reckoning.front_m, reckoning.shape = 1.4, "contradicts"
+
+    assert rest_s(reckoning) == pytest.approx(0.05)
+
+
+STATES = StateChange(("Held",), ())
+
+
+@pytest.mark.parametrize(
+    ("effects", "soon"),
+    [
+        ([Log("info", "x"), CommandStatus("DriveForward", "sent")], True),
+        ([STATES], True),
+        ([Setpoints(2, ())], True),  # they stop the wheels, which are driven
+        ([Setpoints(2, (1.0,)), Log("info", "x")], False),
+        ([], False),
+    ],
+)
+def test_it_looks_soon_where_an_effect_shows_that_the_robot_may_move_otherwise(
+    effects: list[Effect], soon: bool
+) -> None:
+    reckoning = Reckoning()
+    reckoning.front_m = 0.97
+    rest_s(reckoning)
+    still, driven = (0.0,) * len(reckoning.state.robot.values), reckoning.state.robot.values
+    sent: list[Effect] = [
+        each._replace(values=driven if each.values else still)
+        if isinstance(each, Setpoints)
+        else each
+        for each in effects
+    ]
+
+    reckoning.companion.react(sent, 1.02)
+    assert reckoning.companion.due_s == pytest.approx(1.07 if soon else 1.15)
+    reckoning.companion.react([STATES], 1.12)
+    assert reckoning.companion.due_s == pytest.approx(1.07 if soon else 1.15), "never later"

@@ -64,6 +64,38 @@ def test_the_outer_corner_of_a_mitre_has_room_for_a_wheel(mitre: Room) -> None:
         assert mitre.outside_m((1.0 + FREE + 0.004, y, 0.0)) == pytest.approx(0.004)
 
 
+@pytest.mark.parametrize("behind", [False, True])
+@pytest.mark.parametrize(
+    ("along_m", "aside_m", "outside_m"),
+    [(-0.012, FREE - 1e-6, 0.0), (-0.012, FREE + 0.003, 0.003), (-0.05, -FREE + 0.004, 0.0)],
+)
+def test_the_outer_walls_of_a_mitre_go_on_to_where_they_meet(
+    behind: bool, along_m: float, aside_m: float, outside_m: float
+) -> None:
+    """The place is told by one of two pipes: how far along it and to its outer side."""
+    room = room_of(Mitre(radians(45)), Straight(1.0))
+    c, s = (cos(pi / 4), sin(pi / 4)) if behind else (-1.0, 0.0)
+    outward = (s, -c) if behind else (0.0, -1.0)
+    point = (1.0 + along_m * c + aside_m * outward[0], along_m * s + aside_m * outward[1], 0.0)
+
+    assert room.outside_m(point) == pytest.approx(outside_m, abs=1e-9)
+
+
+def test_a_wheel_beside_the_inner_edge_of_a_mitre_does_not_roll_over_it(mitre: Room) -> None:
+    for x, y in ((0.05, 0.03), (-0.03, -0.05)):  # beyond the outer wall of one pipe
+        assert mitre.outside_m((1.0 + x, y, 0.0)) == pytest.approx(0.05 - FREE)
+
+
+def test_a_pipe_ends_where_another_one_goes_on() -> None:
+    wide = NetworkRun(2 * RADIUS, (Straight(1.0),), "entry", "step", "round")
+    narrow = NetworkRun(2 * RADIUS - 0.01, (Straight(1.0),), "step", "exit", "round")
+    network = Network({"wide": wide, "narrow": narrow}, {"": ("wide", "narrow")})
+    room = Room.of(Route(network), WHEEL)
+
+    assert room.outside_m((0.9, FREE, 0.0)) == 0.0
+    assert room.outside_m((1.1, FREE, 0.0)) == pytest.approx(0.005)
+
+
 def test_a_wheel_rolls_over_the_inner_edge_of_a_mitre(mitre: Room) -> None:
     edge_x, edge_y = 1.0 - RADIUS, RADIUS
     for angle in (radians(10), radians(45), radians(80)):
@@ -78,7 +110,8 @@ def test_a_tee_has_room_in_all_its_arms(tee: Room) -> None:
         assert tee.outside_m(point) == 0.0
     assert tee.outside_m((1.2, FREE + 0.01, 0.0)) == pytest.approx(0.01)
     assert tee.outside_m((1.0, -FREE - 0.01, 0.0)) == pytest.approx(0.01)
-    assert tee.outside_m((2.5, 0.0, 0.0)) > 0.4  # behind the cap
+    assert tee.outside_m((2.5, 0.0, 0.0)) == pytest.approx(0.5)  # behind the cap
+    assert tee.outside_m((-0.5, 0.0, 0.0)) == 0.0  # before the open end
 
 
 def test_a_wheel_rolls_over_both_edges_of_a_mouth(tee: Room) -> None:
@@ -112,3 +145,13 @@ def test_near_a_point_it_is_the_same(tee: Room, seed: int) -> None:
     point = tuple(each + chance.uniform(-0.1, 0.1) for each in middle)
     if tee.outside_m(point) < 0.05:
         assert near.outside_m(point) == tee.outside_m(point)
+
+
+def test_near_a_point_are_the_pipes_within_reach_and_the_edges_between_them(tee: Room) -> None:
+    near = tee.near((1.05, 0.5, 0.0), 0.6)
+    assert [tube.piece.run for tube in near.tubes] == ["branch", "on", "main"]
+    assert set(near.edges) == set(tee.edges)
+    far = tee.near((0.2, 0.0, 0.0), 0.3)
+    assert [tube.piece.run for tube in far.tubes] == ["main"]
+    assert len(far.edges) == 1
+    assert tee.near((0.2, 0.5, 0.0), 0.3).edges == ()

@@ -150,3 +150,31 @@ def test_it_is_told_again_after_a_piece_of_way_and_before_it_expires() -> None:
 def test_a_lost_robot_is_told_nothing() -> None:
     looking = report_in(Pipe.model_validate(HOUSE))
     assert looking.look(0.0, (nan, *PLACES[1:]), 0.0) is None
+
+
+def test_another_pipe_is_told_at_once() -> None:
+    looking = report_in(Pipe.model_validate(HOUSE))
+    assert looking.look(0.0, at(0.99), 0.0) is not None
+    assert looking.look(0.1, at(0.995), 0.0) is None
+    report = looking.look(0.2, at(1.01), 0.0)
+    assert report is not None
+    assert (report.joint, report.run) == ("tee", "branch")
+
+
+@pytest.mark.parametrize(
+    ("first_m", "last_m", "away_m"),
+    [
+        (0.7, 0.3, 0.3),  # to the reducer
+        (1.5, 0.95, 0.05),  # the last wheel to it
+        (1.9, 1.32, 0.12),  # the last wheel behind its end
+        (2.19, 1.7, 0.01),
+        (2.9, 2.23, 0.03),
+    ],
+)
+def test_no_other_joint_is_told_before_a_wheel_can_have_reached_it(
+    first_m: float, last_m: float, away_m: float
+) -> None:
+    looking = report_in(NARROWING)
+
+    assert looking.wait_s((first_m, last_m), 0.1) == pytest.approx(away_m / 0.1)
+    assert looking.wait_s((last_m, first_m), 0.2) == pytest.approx(away_m / 0.2)

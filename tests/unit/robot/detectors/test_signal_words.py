@@ -86,6 +86,7 @@ def test_the_first_look_is_at_once_and_the_next_mission_may_have_other_condition
     assert robot.detector.due_s == 0.0
     robot.detector.restart(replace(robot.spec, word_conditions=()))
     assert robot.shows(0.0, 1.0, 1.0) == []
+    assert robot.detector.due_s == pytest.approx(0.05)
 
 
 def test_a_mission_goes_on_by_a_condition_that_stands_in_yaml_alone(tmp_path: Path) -> None:
