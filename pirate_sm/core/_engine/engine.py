@@ -24,8 +24,8 @@ from pirate_sm.core._engine.robot.robot_state import RobotState
 from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.safety.faults import no_faults
 from pirate_sm.core._engine.sensing import environment
-from pirate_sm.core._engine.sensing.distance import counting
 from pirate_sm.core._engine.sensing.known_signals import nothing_known, with_odometry
+from pirate_sm.core._engine.sensing.odometry import counting
 from pirate_sm.core._engine.sensing.signal_table import observe
 from pirate_sm.core._engine.sensing.traction import with_traction
 from pirate_sm.core._engine.state import OUTSIDE, EngineState, MissionState

@@ -20,8 +20,8 @@ from pirate_sm.core._engine.safety.faults import (
     start_again,
     unsettle,
 )
-from pirate_sm.core._engine.sensing.distance import judge
 from pirate_sm.core._engine.sensing.known_signals import nothing_estimated
+from pirate_sm.core._engine.sensing.odometry import judge
 from pirate_sm.core._engine.sensing.signal_table import forget_outdated, observe
 from pirate_sm.core._engine.sensing.traction import measured_outside, rolled, with_traction
 from pirate_sm.core._engine.state import OUTSIDE, EngineState

@@ -14,7 +14,7 @@ from pirate_sm.core.sensing import WHOLE, BodySpec, RobotLook
 from pirate_sm.lab.mapping.axes import axis_at, axis_of, wheel_at
 from pirate_sm.lab.mapping.bend_angles import angle_between, outermost
 from pirate_sm.lab.mapping.legs import Map, middle
-from pirate_sm.robot.detectors.odometry import Odometer
+from pirate_sm.robot.detectors.odometry_detector import Odometer
 
 # --- spots ---------------------------------------------------------------------------------------
 

@@ -28,7 +28,7 @@ from pirate_sm.core.registry import Plugin, Registry
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.simulation import Truth
 from pirate_sm.robot import part_names
-from pirate_sm.robot.detectors.odometry import Odometry
+from pirate_sm.robot.detectors.odometry_detector import Odometry
 from pirate_sm.robot.detectors.simple_detectors import SignalWords, TruePlaces, offer
 from pirate_sm.robot.detectors.socket_detector import AcceptedLines, OutsideWords, read_address
 from pirate_sm.robot.detectors.vision_detector import CameraView

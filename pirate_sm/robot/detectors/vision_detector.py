@@ -21,7 +21,7 @@ from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.sensing import BodySpec
 from pirate_sm.core.simulation import Truth
 from pirate_sm.robot.detectors.dead_reckoning import Reckoned
-from pirate_sm.robot.detectors.odometry import Odometry
+from pirate_sm.robot.detectors.odometry_detector import Odometry
 from pirate_sm.robot.detectors.word_timing import LOOK_EVERY_S, Tracker, WordDetector, words_of
 
 # --- the camera -----------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from pirate_sm.core.registry import Plugin
 from pirate_sm.robot import part_names
 from pirate_sm.robot.camera import Camera, DeviceSource, RobotTags, SyntheticSource, UrlSource
 from pirate_sm.robot.camera_file import load_camera
-from pirate_sm.robot.detectors.odometry import Odometry
+from pirate_sm.robot.detectors.odometry_detector import Odometry
 from pirate_sm.robot.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.robot.detectors.vision_detector import (
     CameraSight,

@@ -10,9 +10,9 @@ from pirate_sm.core._engine.moment import has_come
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing import plausibility
 from pirate_sm.core._engine.sensing.board_spec import BoardSpec, LinkSpec
-from pirate_sm.core._engine.sensing.distance import unheard
 from pirate_sm.core._engine.sensing.evaluator import GAIN
 from pirate_sm.core._engine.sensing.known_signals import Sensing, nothing_known
+from pirate_sm.core._engine.sensing.odometry import unheard
 from pirate_sm.core._engine.state import FaultState, Words
 from pirate_sm.core._model.events import ALPHABET_VERSION, EVIDENCE_ENDS, FaultReport
 from pirate_sm.core._model.faults import BuiltInFault

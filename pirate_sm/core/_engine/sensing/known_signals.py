@@ -153,7 +153,7 @@ class MotorRequest(NamedTuple):
 
 
 class DistanceMemory(NamedTuple):
-    """What is remembered of the way that odometry counts, to judge it; see :mod:`.distance`.
+    """What is remembered of the way that odometry counts, to judge it; see :mod:`.odometry`.
 
     Attributes:
         every_s: How often it is judged; ``due_s``: when next; ``at_s``: when it was last.

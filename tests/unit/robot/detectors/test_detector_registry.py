@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.core._engine.robot.robot_spec import WordCondition
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.expressions import compile_condition
-from pirate_sm.robot.detectors.odometry import Odometry
+from pirate_sm.robot.detectors.odometry_detector import Odometry
 from pirate_sm.robot.detectors.registry import (
     Asked,
     Detecting,

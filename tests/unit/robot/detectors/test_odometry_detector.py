@@ -20,7 +20,7 @@ from pirate_sm.core.geometry import DRAWING, ChainInSpace
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.robot import Mark, RobotSpec, confirmed_parts
 from pirate_sm.robot.detectors.dead_reckoning import AnchorSpot, Felt, Reckoned, Shape
-from pirate_sm.robot.detectors.odometry import Odometry
+from pirate_sm.robot.detectors.odometry_detector import Odometry
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, load, prepare

@@ -10,7 +10,7 @@ import pytest
 from pirate_sm.core._engine.robot.robot_state import Flight
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.robot.detectors.odometry import Rolling
+from pirate_sm.robot.detectors.odometry_detector import Rolling
 from pirate_sm.running.wiring import Order, prepare
 
 SPEED = 0.1

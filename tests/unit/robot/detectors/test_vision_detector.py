@@ -17,7 +17,7 @@ from pirate_sm.core.events import DetectorWord, FaultReport, OutsideNumber, Seen
 from pirate_sm.core.geometry import DRAWING, ChainInSpace, inner_corner, walls
 from pirate_sm.core.simulation import Truth
 from pirate_sm.robot.detectors.dead_reckoning import Reckoned
-from pirate_sm.robot.detectors.odometry import Odometry
+from pirate_sm.robot.detectors.odometry_detector import Odometry
 from pirate_sm.robot.detectors.vision_detector import CameraSight, OneMarker, SeenWheels, Tags
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice

@@ -13,7 +13,7 @@ from pirate_sm.core._engine.mission.program import TriggerSpec
 from pirate_sm.core._engine.mission.waiting import claim_of, counted, met_unknown
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.sensing.distance import BASE_M
+from pirate_sm.core._engine.sensing.odometry import BASE_M
 from pirate_sm.core._engine.state import Counted
 from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev

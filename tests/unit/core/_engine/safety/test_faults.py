@@ -21,7 +21,7 @@ from driving import (
 from pirate_sm.core._engine.mission.program import HandlerSpec
 from pirate_sm.core._engine.safety import faults
 from pirate_sm.core._engine.safety.faults import FoundFault, silent_limit_s
-from pirate_sm.core._engine.sensing.distance import unheard
+from pirate_sm.core._engine.sensing.odometry import unheard
 from pirate_sm.core._engine.state import OUTSIDE, FaultState
 from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
