@@ -135,7 +135,7 @@ def test_all_recipes_together_pass_the_type_checker(changed: Path) -> None:
 
 
 def test_there_is_a_recipe_for_each_everyday_change() -> None:
-    assert len(recipes()) == 15
+    assert len(recipes()) == 17
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

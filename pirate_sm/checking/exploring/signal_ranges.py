@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import combinations, pairwise
 from math import inf, isfinite, pi, sqrt
@@ -37,19 +37,8 @@ def ranges(profile: model.Profile, robot: RobotSpec) -> Mapping[str, Range]:
             wire = found.get(names[number], ANYTHING)
             found[names[number]] = Range(max(low, wire.low), min(high, wire.high))
         for each in board.derived:
-            most = [found.get(names[source], ANYTHING).high for source in each.sources]
-            match each.how:
-                case "torque":
-                    limit = abs(each.factor) * most[0]
-                    found[names[each.target]] = Range(-limit, limit)
-                case "norm":
-                    found[names[each.target]] = Range(0.0, sqrt(sum(high**2 for high in most)))
-                case "roll" | "pitch":
-                    found[names[each.target]] = _VECTORS[each.how]
-                case "diameter":  # eq. 3-2
-                    found[names[each.target]] = Range(each.more, each.factor + each.more)
-                case "rate":
-                    pass
+            of = [found.get(names[source], ANYTHING) for source in each.sources]
+            found[names[each.target]] = _derived(each.how, each.constants, of)
     found |= dict(_of_body(profile, robot))
     changes = {change_of(n): Range(r.low - r.high, r.high - r.low) for n, r in found.items()}
     return found | changes
@@ -65,7 +54,23 @@ def _of_body(profile: model.Profile, robot: RobotSpec) -> Iterator[tuple[str, Ra
         yield names[robot.bound], Range(0.0)
 
 
-_VECTORS = {"roll": Range(-pi, pi), "pitch": Range(-pi / 2, pi / 2)}
+def _derived(how: str, constants: Sequence[float], of: Sequence[Range]) -> Range:
+    """Return the range of what an operation makes of numbers of these ranges."""
+    match how:
+        case "torque":
+            most = abs(constants[0]) * of[0].high
+            return Range(-most, most)
+        case "norm":
+            return Range(0.0, sqrt(sum(each.high**2 for each in of)))
+        case "roll":
+            return Range(-pi, pi)
+        case "pitch":
+            return Range(-pi / 2, pi / 2)
+        case "diameter":  # eq. 3-2
+            leg_m, more_m = constants
+            return Range(more_m, leg_m + more_m)
+        case _:
+            return ANYTHING
 
 
 # --- piecewise linear ----------------------------------------------------------------------------

@@ -237,9 +237,9 @@ def _derived(view: RobotView) -> Iterator[_Wrong]:
                 message = f"'{own.torque_of}' is the current of '{channel.slot}'"
                 fix = f"write `slot: {channel.slot}`, or name the current of '{own.slot}'"
                 yield _Wrong((*path, "slot"), message, fix)
-        elif isinstance(own, kinds.RollOf | kinds.PitchOf):
-            key = "roll_of" if isinstance(own, kinds.RollOf) else "pitch_of"
-            found = [view.channels.get(each, (None, ())) for each in getattr(own, key)]
+        elif own.OF == "axes":
+            key = own.key()
+            found = [view.channels.get(each, (None, ())) for each in own.sources]
             senses = [channel.senses if channel else None for channel, _ in found]
             apart = len({at[:2] for _, at in found}) > 1
             if apart or any(
@@ -310,9 +310,9 @@ def _motors(view: RobotView) -> Iterator[_Wrong]:
             yield _Wrong((*path, "motor"), message, fix, severity=Severity.WARNING)
 
 
-_NAMES = {"odometry_of", "speed_of", "robot_speed_of", "roll_of", "pitch_of", "norm_of", "least_of"}
-_NAMES |= {"joints", "loaded", "slots", "signals", "zero", "denies"}
-"""The keys of lists of wheels, signals, joints, slots and parts, in which each is once."""
+_NAMES = {"joints", "loaded", "slots", "signals", "zero", "denies"}
+"""The keys of lists of signals, joints, slots and parts, in which each is once, as in those of what
+a signal is derived from."""
 
 
 def _lists(view: RobotView) -> Iterator[_Wrong]:
@@ -325,7 +325,8 @@ def _lists(view: RobotView) -> Iterator[_Wrong]:
         elif isinstance(value, list):
             stack += [((*path, place), each) for place, each in enumerate(value)]
             seen = set[str]()
-            for place, each in enumerate(value if path[-1] in _NAMES else ()):
+            once = path[0] == "derived" or path[-1] in _NAMES
+            for place, each in enumerate(value if once else ()):
                 if isinstance(each, str):
                     if each in seen:
                         message, fix = f"'{each}' is listed twice", "write each name once"
@@ -386,11 +387,9 @@ def _parts_of_signals(view: RobotView) -> dict[str, str]:
         if channel.slot and drives[channel.slot] in things
     }
     for name, own in view.profile.derived.items():
-        source = getattr(own, "rate_of", getattr(own, "torque_of", ""))
-        if source in found:
-            found[name] = found[source]
-        elif isinstance(own, kinds.DiameterOf):
-            found[name] = own.diameter_of
+        of = {each if own.OF == "parts" else found.get(each, "") for each in own.sources}
+        if len(of) == 1 and any(of):
+            (found[name],) = of
     return found
 
 

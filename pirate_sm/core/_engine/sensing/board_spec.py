@@ -6,10 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, nan
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.core._model.events import FaultReport
 from pirate_sm.core._model.faults import BuiltInFault
+
+if TYPE_CHECKING:  # a model of a file, which the engine does not load
+    from pirate_sm.core._model.robot.signals import Operation
 
 # --- limits of sensors ------------------------------------------------------------------------
 
@@ -59,9 +62,43 @@ class WatchSpec(NamedTuple):
     per_unit: float = 1.0
     of: str = ""
 
-    def report(self, fault: BuiltInFault, message: str) -> FaultReport:
-        """Return a report of a fault of this sensor."""
-        return fault.report(message, of=(self.of,) if self.of else ())
+    def outside(self, value: float) -> FaultReport:
+        """Return the report of a value that keeps outside its range."""
+        where = f"{self.low / self.per_unit:.3g} to {self._in_words(self.high)}"
+        return self._report(
+            BuiltInFault.SENSOR_RANGE, f"reports {self._in_words(value)}, outside {where}"
+        )
+
+    def jumped(self, before: float, value: float) -> FaultReport:
+        """Return the report of a joint that has jumped."""
+        return self._report(
+            BuiltInFault.SENSOR_JUMPED,
+            f"has jumped from {self._in_words(before)} to {self._in_words(value)}, faster than its "
+            "motor can turn: it is unknown until it jumps back",
+        )
+
+    def spiking(self, spikes: int, within_s: float) -> FaultReport:
+        """Return the report of a sensor that spikes often."""
+        return self._report(
+            BuiltInFault.SENSOR_SPIKING, f"has spiked {spikes} times in {within_s:.1f} s"
+        )
+
+    def stuck(self, after_s: float) -> FaultReport:
+        """Return the report of a sensor that shows the same although its motor must turn."""
+        return self._report(
+            BuiltInFault.SENSOR_STUCK,
+            f"has shown the same for {after_s:g} s while its motor is driven and bears no load: "
+            "the sensor is stuck, or the motor gets no current",
+        )
+
+    def moves(self) -> FaultReport:
+        """Return the report of a motion without a setpoint for it."""
+        return self._report(
+            BuiltInFault.MOTION_UNASKED, "moves though nothing was asked of its motor"
+        )
+
+    def _report(self, fault: BuiltInFault, message: str) -> FaultReport:
+        return fault.report(f"{self.name} {message}", of=(self.of,) if self.of else ())
 
     @property
     def can_be(self) -> tuple[BuiltInFault, ...]:
@@ -75,8 +112,7 @@ class WatchSpec(NamedTuple):
         }
         return tuple(fault for fault, can in has.items() if can)
 
-    def in_words(self, value: float) -> str:
-        """Return the value in its unit for messages."""
+    def _in_words(self, value: float) -> str:
         return f"{value / self.per_unit:.3g} {self.unit}".strip()
 
 
@@ -154,19 +190,18 @@ class DerivedSpec(NamedTuple):
     """A number that is derived from others of its board, see :mod:`.evaluator`.
 
     Attributes:
+        how: What does that, or a part of it; its operands come in the order of what follows.
         target: Its index.
         sources: Theirs.
-        factor: The torque per current; the length of a V's leg (eq. 3-2).
-        more: What the wheels add to the height of a V.
-        slot: That of the motor of a torque.
+        slot: The slot whose setpoint counts; -1 for none.
+        constants: SI.
     """
 
-    how: Literal["rate", "torque", "roll", "pitch", "norm", "diameter"]
+    how: Operation
     target: int
     sources: tuple[int, ...]
-    factor: float = 1.0
-    more: float = 0.0
     slot: int = -1
+    constants: tuple[float, ...] = ()
 
 
 def board_name(id_: int) -> str:
@@ -216,13 +251,15 @@ class BoardSpec:
     @property
     def vectors(self) -> tuple[tuple[int, ...], ...]:
         """Return the number indexes of each vector from which a number is derived."""
-        return tuple(each.sources for each in self.derived if len(each.sources) == 3)
+        made = [each.target for each in self.derived]
+        whole = (each for each in self.derived if made.count(each.target) == 1)
+        return tuple(each.sources for each in whole if len(each.sources) == 3)
 
     @property
     def numbers(self) -> tuple[int, ...]:
         """Return the indexes of all numbers that depend on this board only."""
         measured = (target for _, target, _ in self.channels)
-        return *measured, *(each.target for each in self.derived)
+        return *measured, *dict.fromkeys(each.target for each in self.derived)
 
 
 # --- signals of slip, normal force and friction -----------------------------------------------

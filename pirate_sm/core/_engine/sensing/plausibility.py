@@ -25,7 +25,6 @@ from pirate_sm.core._engine.records import often_replaced
 from pirate_sm.core._engine.sensing.board_spec import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.core._engine.sensing.evaluator import JUST_MOVED
 from pirate_sm.core._model.events import FaultReport
-from pirate_sm.core._model.faults import BuiltInFault
 
 Numbers = Sequence[float]
 
@@ -136,15 +135,12 @@ def _weigh(
         return channel, channel.good
     if not possible:
         if not channel.outside and len(held) > spec.hold_back:
-            reports.append(watch.report(BuiltInFault.SENSOR_RANGE, _outside(watch, value)))
+            reports.append(watch.outside(value))
             channel = channel._replace(outside=True)
         return channel, nan
     if not watch.joint or channel.seen <= spec.hold_back:
         return believed(channel._replace(since_s=now_s)), value
-    where = f"from {watch.in_words(channel.good)} to {watch.in_words(value)}"
-    message = f"{watch.name} has jumped {where}, faster than its motor can turn"
-    message = f"{message}: it is unknown until it jumps back"
-    reports.append(watch.report(BuiltInFault.SENSOR_JUMPED, message))
+    reports.append(watch.jumped(channel.good, value))
     wound_on = watch.stiffness * _reach(watch, channel, reading)
     wound = channel.wound if abs(torque(watch, numbers) - channel.wound) <= wound_on else nan
     since_s = now_s if channel.good_s - channel.since_s < _ESTABLISHED_S else inf
@@ -270,15 +266,8 @@ def _count_spike(
     often = len(spikes) == spec.spikes and within_s <= spec.spikes_within_s
     if not often or now_s - channel.spiking_s <= spec.spikes_within_s:
         return channel
-    message = f"{watch.name} has spiked {spec.spikes} times in {within_s:.1f} s"
-    reports.append(watch.report(BuiltInFault.SENSOR_SPIKING, message))
+    reports.append(watch.spiking(spec.spikes, within_s))
     return channel._replace(spiking_s=now_s)
-
-
-def _outside(watch: WatchSpec, value: float) -> str:
-    low = f"{watch.low / watch.per_unit:.3g}"
-    where = f"{low} to {watch.in_words(watch.high)}"
-    return f"{watch.name} reports {watch.in_words(value)}, outside {where}"
 
 
 # --- a motion, against the setpoint of its motor ----------------------------------------------
@@ -332,7 +321,7 @@ def _after_motion(
             value, channel = cells[number], channels[place]
             stays = now_s - cells[memory + 1] >= spec.stuck_after_s
             if stays and value != channel.stuck:
-                found.append((place, _stuck(spec, watched.sensors[place])))
+                found.append((place, watched.sensors[place].stuck(spec.stuck_after_s)))
                 channel = channel._replace(
                     calm=False, good=value, good_s=now_s, wound=nan, stuck=value
                 )
@@ -348,23 +337,10 @@ def _after_motion(
         for _, _, memory, _, place in motion.rest:
             if cells[memory + 6] == JUST_MOVED:
                 cells[memory + 6] = 1.0
-                found.append((place, _moved(watched.sensors[place])))
+                found.append((place, watched.sensors[place].moves()))
     for number, value, _ in believed:
         cells[number] = value
     return channels, [report for _, report in sorted(found, key=itemgetter(0))]
-
-
-def _stuck(spec: PlausibilitySpec, watch: WatchSpec) -> FaultReport:
-    message = (
-        f"{watch.name} has shown the same for {spec.stuck_after_s:g} s while its motor is "
-        "driven and bears no load: the sensor is stuck, or the motor gets no current"
-    )
-    return watch.report(BuiltInFault.SENSOR_STUCK, message)
-
-
-def _moved(watch: WatchSpec) -> FaultReport:
-    message = f"{watch.name} moves though nothing was asked of its motor"
-    return watch.report(BuiltInFault.MOTION_UNASKED, message)
 
 
 # --- all sensors of a board -------------------------------------------------------------------

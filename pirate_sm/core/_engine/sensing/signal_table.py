@@ -24,12 +24,6 @@ Row: TypeAlias = tuple[int, int, int, int, int]
 TableRows: TypeAlias = tuple[Row, ...]
 
 
-_OPERATIONS = {
-    **{"rate": op.RATE, "torque": op.TORQUE, "diameter": op.DIAMETER},
-    **{"norm": op.NORM, "roll": op.ROLL, "pitch": op.PITCH},
-}
-
-
 class BoardRows(NamedTuple):
     """The rows of a board's frame.
 
@@ -204,15 +198,10 @@ class _TableCompiler:
     def _derived(self, board: BoardSpec) -> Iterable[Row]:
         robot, layout, constant = self._robot, self._layout, self._constant
         for each in board.derived:
-            first, *others = each.sources
-            if each.how == "torque":
-                others = [layout.force + each.slot, constant(each.factor)]
-            elif each.how == "diameter":
-                others = [constant(each.factor), constant(each.more)]
-            # A norm of more than three signals continues from that of the first three.
-            for at in range(0, max(len(others), 1), 2):
-                b, c = (*others[at : at + 2], constant(0.0), constant(0.0))[:2]
-                yield _OPERATIONS[each.how], each.target, first if not at else each.target, b, c
+            setpoint = () if each.slot < 0 else (layout.force + each.slot,)
+            rest = map(constant, (*each.constants, 0.0, 0.0))
+            a, b, c = (*each.sources, *setpoint, *rest)[:3]
+            yield getattr(op, each.how.upper()), each.target, a, b, c
         places = [wheel.place for wheel in robot.wheels]
         for wheel in board.wheels:
             at = 2 + places.index(wheel.place) * op.WHEEL

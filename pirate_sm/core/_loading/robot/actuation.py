@@ -22,7 +22,6 @@ from pirate_sm.core._geometry.space import GRAVITY_M_S2
 from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.signals import Signals
 from pirate_sm.core._model.robot import profile as model
-from pirate_sm.core._model.robot import signals as kinds
 from pirate_sm.core._model.robot.actuation import (
     Duty,
     HeldTorque,
@@ -201,25 +200,21 @@ def _vee(profile: model.Profile, signals: Signals, name: str) -> Vee:
 def _imu(profile: model.Profile, signals: Signals) -> Imu | None:
     """Return the accelerometer from which roll or pitch is derived; None without one."""
     for derived in profile.derived.values():
-        match derived:
-            case kinds.PitchOf(pitch_of=sources) | kinds.RollOf(roll_of=sources):
-                modules = [link.module for link in profile.body.links]
-                module = next(
-                    (
-                        board.module
-                        for board in profile.boards
-                        if {channel.signal for channel in board.channels} >= set(sources)
-                    ),
-                    "",
-                )
-                if module not in modules:
-                    return None
-                link = modules.index(module)
-                x, y, z = (signals.index(source) for source in sources)
-                roll = profile.body.links[link].roll
-                return Imu(link, (x, y, z), signals.index(roll))
-            case _:
-                pass
+        if derived.OF == "axes":
+            modules = [link.module for link in profile.body.links]
+            module = next(
+                (
+                    board.module
+                    for board in profile.boards
+                    if {channel.signal for channel in board.channels} >= set(derived.sources)
+                ),
+                "",
+            )
+            if module not in modules:
+                return None
+            link = modules.index(module)
+            x, y, z = map(signals.index, derived.sources)
+            return Imu(link, (x, y, z), signals.index(profile.body.links[link].roll))
     return None
 
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import inf, pi
-from typing import Literal
 
 from pirate_sm.core._engine.robot.robot_spec import FaultSpec
 from pirate_sm.core._engine.sensing.board_spec import (
@@ -22,7 +21,7 @@ from pirate_sm.core._loading.robot.signals import Signals
 from pirate_sm.core._model.robot import profile as model
 from pirate_sm.core._model.robot import signals as kinds
 from pirate_sm.core._model.robot.body import Body
-from pirate_sm.core.units import SPEED
+from pirate_sm.core.units import SPEED, unit_of
 
 
 def resolve_boards(signals: Signals, faults: tuple[FaultSpec, ...]) -> Mapping[int, BoardSpec]:
@@ -33,11 +32,10 @@ def resolve_boards(signals: Signals, faults: tuple[FaultSpec, ...]) -> Mapping[i
         if board.fitted and board.channels_fitted and any(c.signal for c in board.channels)
     ]
     names = signals.vocabulary.numbers
-    shared = {signals.first_of(kind) for kind in ("odometry_of", "bound_of", "speed_of")}
-    shared |= {
+    shared = {
         names.index(name)
         for name, derived in signals.profile.derived.items()
-        if isinstance(derived, kinds.Traction)
+        if not any(derived.rows(name, signals.profile.body))
     }
     shared |= {names.index(name) for name in signals.profile.outside}
     found: dict[int, BoardSpec] = {}
@@ -50,7 +48,7 @@ def resolve_boards(signals: Signals, faults: tuple[FaultSpec, ...]) -> Mapping[i
             if fault.when.names & mine
             or not {names.index(n) for n in fault.when.names if n in names} - shared
         )
-        limits = _watched(signals.profile, board, own)
+        limits = _watched(signals, board, own)
         found[board.id] = replace(own, faults=rules, watched=limits)
     return found
 
@@ -63,68 +61,38 @@ def _board(signals: Signals, number: int, board: model.Board, position: int) -> 
         if channel.signal
     )
     told = {names[target] for _, target, _ in channels}
-    computed: list[DerivedSpec] = []
-    slots = [slot.name for slot in signals.profile.slots]
-    for name, derived in signals.profile.derived.items():
-        target = names.index(name)
-        match derived:
-            case kinds.RateOf(rate_of=source) if source in told:
-                computed.append(DerivedSpec("rate", target, (names.index(source),)))
-            case kinds.TorqueOf(torque_of=source, slot=slot, scale=scale) if source in told:
-                factor = signals.constant(scale, ("derived", name, "scale"))[0]
-                if slot in slots:
-                    of, index = (names.index(source),), slots.index(slot)
-                    computed.append(DerivedSpec("torque", target, of, factor, slot=index))
-            case kinds.RollOf() | kinds.PitchOf() | kinds.NormOf():
-                how, sources = _vector(derived)
-                if set(sources) <= told:
-                    computed.append(DerivedSpec(how, target, tuple(map(names.index, sources))))
-            case kinds.DiameterOf(diameter_of=part):
-                computed += _diameter(signals, part, told, target)
-            case kinds.RateOf() | kinds.TorqueOf():
-                pass  # without its source
-            case (
-                kinds.OdometryOf()
-                | kinds.BoundOf()
-                | kinds.SpeedOf()
-                | kinds.RobotSpeedOf()
-                | kinds.SlipSpeedOf()
-                | kinds.SlipOf()
-                | kinds.NormalForceOf()
-                | kinds.FrictionUsedOf()
-                | kinds.FrictionOf()
-                | kinds.LeastOf()
-            ):
-                pass  # made of all wheels, see also `resolve_traction`
+    computed = tuple(
+        row
+        for name, derived in signals.profile.derived.items()
+        for row in _rows(signals, name, derived, told)
+    )
     wheels = tuple(w for w in signals.wheels if names[w.angle] in told)
-    return BoardSpec(board.id, board.module, position, channels, tuple(computed), wheels, ())
+    return BoardSpec(board.id, board.module, position, channels, computed, wheels, ())
 
 
 def _scale(signals: Signals, channel: model.Channel) -> float:
     return signals.scales[channel.convert][0] if channel.convert else 1.0
 
 
-def _diameter(signals: Signals, part: str, told: set[str], target: int) -> list[DerivedSpec]:
-    body = signals.profile.body
-    apex = body.parts[part].apex if part in body.parts else ""
-    if apex not in told:
-        return []
-    index = signals.vocabulary.numbers.index(apex)
-    # Eq. 3-2 assumes two legs of equal length.
-    more = 2 * body.wheel_radius
-    return [DerivedSpec("diameter", target, (index,), body.legs_m(part)[0], more)]
-
-
-def _vector(
-    derived: kinds.RollOf | kinds.PitchOf | kinds.NormOf,
-) -> tuple[Literal["roll", "pitch", "norm"], tuple[str, ...]]:
-    match derived:
-        case kinds.RollOf(roll_of=sources):
-            return "roll", sources
-        case kinds.PitchOf(pitch_of=sources):
-            return "pitch", sources
-        case kinds.NormOf(norm_of=sources):
-            return "norm", sources
+def _rows(
+    signals: Signals, name: str, derived: kinds.Derived, told: set[str]
+) -> Iterator[DerivedSpec]:
+    """Yield how a board derives a signal from those that it tells; nothing if one is missing."""
+    rows = tuple(derived.rows(name, signals.profile.body))
+    if {source for row in rows for source in row.sources} - told - {name}:
+        return
+    names, slots = signals.vocabulary.numbers, [slot.name for slot in signals.profile.slots]
+    for how, sources, slot, constants in rows:
+        yield DerivedSpec(
+            how,
+            names.index(name),
+            tuple(map(names.index, sources)),
+            slots.index(slot) if slot else -1,
+            tuple(
+                signals.constant(each, ("derived", name))[0] if isinstance(each, str) else each
+                for each in constants
+            ),
+        )
 
 
 _DEGREE = pi / 180
@@ -136,42 +104,29 @@ def thresholds(profile: model.Profile) -> PlausibilitySpec:
     return PlausibilitySpec._make(getattr(profile.plausibility, name) for name in names)
 
 
-def _watched(profile: model.Profile, board: model.Board, spec: BoardSpec) -> WatchedSpec:
-    """Return the board's sensors that measure a motor or an acceleration, with their limits."""
+def _watched(signals: Signals, board: model.Board, spec: BoardSpec) -> WatchedSpec:
+    """Return the board's sensors that measure a motor or have a limit."""
+    profile, names = signals.profile, signals.vocabulary.numbers
     numbers = {place: number for place, number, _ in spec.channels}
     slots = {slot.name: (index, slot) for index, slot in enumerate(profile.slots)}
     found = []
     for place, number in sorted(numbers.items()):
         channel = board.channels[place]
-        resting = (number, *_resting_on(spec, number))
-        name = channel.signal or channel.name
-        most = profile.plausibility.acceleration
-        if most is not None and (channel.senses or "").startswith("acc"):
-            found.append(WatchSpec(number, name, resting, low=-most, high=most, unit="m/s^2"))
-        if channel.slot not in slots:
-            continue
-        index, slot = slots[channel.slot]
-        watch = WatchSpec(number, name, resting, slot=index, of=slot.drives)
-        if channel.senses == "angle":
+        index, slot = slots.get(channel.slot or "", (-1, None))
+        senses, motor = channel.senses or "", profile.motors[slot.motor] if slot else None
+        watch = WatchSpec(number, names[number], (number, *_resting_on(spec, number)), slot=index)
+        for bounds, most in profile.plausibility.limits(senses, motor):
+            if bounds == "value":
+                watch = watch._replace(low=max(watch.low, -most), high=min(watch.high, most))
+            else:
+                watch = watch._replace(rate=min(watch.rate, most))
+        if slot and senses == "angle":
             watch = _angle_limits(profile, board, watch, slot, numbers)
-        else:
-            watch = _bounded(profile, watch, slot, channel.senses)
-        found.append(watch)
+        elif channel.convert:
+            watch = watch._replace(unit=unit_of(signals.scales[channel.convert][1]))
+        if slot or watch.high < inf or watch.rate < inf:
+            found.append(watch._replace(of=slot.drives if slot else ""))
     return WatchedSpec(tuple(found))
-
-
-def _bounded(
-    profile: model.Profile, watch: WatchSpec, slot: model.Slot, senses: model.Sense | None
-) -> WatchSpec:
-    """Return the limits of a torque or a current."""
-    own, motor = profile.plausibility, profile.motors[slot.motor]
-    if senses == "torque" and motor.stall_torque is not None:
-        most = own.overtorque * motor.stall_torque
-        return watch._replace(low=-most, high=most, unit="Nm")
-    if senses == "current" and motor.stall_current is not None:
-        most = own.overcurrent * motor.stall_current
-        return watch._replace(low=-most, high=most, unit="A")
-    return watch
 
 
 def _angle_limits(
@@ -183,10 +138,8 @@ def _angle_limits(
 ) -> WatchSpec:
     """Return the limits of the angle of a joint, a wheel or a roll joint."""
     own, motor = profile.plausibility, profile.motors[slot.motor]
-    watch = watch._replace(unit="deg", per_unit=_DEGREE)
-    if motor.no_load_speed is not None:
-        rate = own.overspeed * motor.no_load_speed
-        watch = watch._replace(rate=rate, slack=own.joint_slack)
+    slack = own.joint_slack if watch.rate < inf else 0.0
+    watch = watch._replace(unit="deg", per_unit=_DEGREE, slack=slack)
     if slot.wheel is not None:
         # The wheels of a falling robot may turn: that must be reported at once.
         return watch._replace(slack=own.wheel_slack, moved=own.wheel_moved)
@@ -224,13 +177,13 @@ def _of_motor(
 
 def _resting_on(spec: BoardSpec, number: int) -> tuple[int, ...]:
     """Return the numbers of the board that depend on this one."""
-    return tuple(each.target for each in spec.derived if number in each.sources)
+    return tuple(dict.fromkeys(each.target for each in spec.derived if number in each.sources))
 
 
 def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> TractionSpec | None:
     """Return what the robot's signals of traction are made of; None where it has none."""
     profile = signals.profile
-    wanted = {n: d for n, d in profile.derived.items() if isinstance(d, kinds.Traction)}
+    wanted = {n: d for n, d in profile.derived.items() if isinstance(d, kinds.TractionSignal)}
     if not wanted:
         return None
     body = profile.body
@@ -272,7 +225,7 @@ def _wheel_traction(
     signals: Signals,
     wheel: WheelSpec,
     board: BoardSpec | None,
-    wanted: Mapping[str, kinds.Traction],
+    wanted: Mapping[str, kinds.TractionSignal],
 ) -> WheelTraction:
     """Return what the signals of one wheel are made of."""
     profile = signals.profile
@@ -292,7 +245,7 @@ def _wheel_traction(
 
 
 def _with_shared(
-    signals: Signals, spec: TractionSpec, wanted: Mapping[str, kinds.Traction]
+    signals: Signals, spec: TractionSpec, wanted: Mapping[str, kinds.TractionSignal]
 ) -> TractionSpec:
     """Return the signals with those that are made of several wheels."""
     body, names = signals.profile.body, signals.vocabulary.numbers
@@ -320,7 +273,7 @@ def _torque_of(signals: Signals, slot: str) -> int:
 
 
 def _with_targets(
-    signals: Signals, wheel: WheelTraction, name: str, wanted: Mapping[str, kinds.Traction]
+    signals: Signals, wheel: WheelTraction, name: str, wanted: Mapping[str, kinds.TractionSignal]
 ) -> WheelTraction:
     """Return the wheel with the signals that are made of it."""
     names = signals.vocabulary.numbers
@@ -342,7 +295,7 @@ def _with_targets(
     return wheel
 
 
-def _measured_speed(signals: Signals, wanted: Mapping[str, kinds.Traction]) -> str | None:
+def _measured_speed(signals: Signals, wanted: Mapping[str, kinds.TractionSignal]) -> str | None:
     """Return the body speed from outside that slip is measured against."""
     found = set()
     for name, derived in wanted.items():
@@ -373,7 +326,7 @@ def _measured_speed(signals: Signals, wanted: Mapping[str, kinds.Traction]) -> s
 
 
 def _check_traction(
-    signals: Signals, spec: TractionSpec, wanted: Mapping[str, kinds.Traction]
+    signals: Signals, spec: TractionSpec, wanted: Mapping[str, kinds.TractionSignal]
 ) -> None:
     """Report signals that can never be known, or that mean nothing."""
     body, types = signals.profile.body, signals.vocabulary.types

@@ -27,8 +27,6 @@ from pirate_sm.core.units import (
     ANGLE,
     CURRENT,
     DIMENSIONLESS,
-    FORCE,
-    LENGTH,
     SPEED,
     TIME,
     TORQUE,
@@ -166,94 +164,55 @@ def _add_derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> N
         if name in types:
             signals.problems.add("robot.signal", path, f"'{name}' is declared twice", key=True)
         taken = _taken(profile, derived)
-        for source in _sources(derived):
+        for source in derived.sources:
             valid = _valid_sources(profile, derived, types)
             if source not in valid and not hidden:
                 known, message = sorted({*valid} - taken), f"'{source}' is not known here"
                 signals.problems.add_unknown(
                     "robot.signal", path, "signal", source, known, message=message
                 )
-        types[name] = NumberType(_dimension(signals, derived, types, path))
+        kind = types.get(derived.sources[0])
+        own = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
+        if isinstance(derived, kinds.TorqueOf):
+            _check_torque(signals, derived, own, path)
+        types[name] = NumberType(derived.dimension(own))
         _check_name(name, types[name], path, signals.problems, key=True)
 
 
-def _sources(derived: kinds.Derived) -> tuple[str, ...]:
-    value = getattr(derived, next(kind for kind in kinds.DERIVED_KINDS if hasattr(derived, kind)))
-    return (value,) if isinstance(value, str) else tuple(value)
-
-
 def _taken(profile: model.Profile, derived: kinds.Derived) -> set[str]:
-    """Return the sources of which there is such a signal already, so that no other is meant."""
-    if not isinstance(derived, kinds.RateOf | kinds.TorqueOf):
+    """Return the signals that already have one of this kind, so that another is meant."""
+    if derived.OF != "signals" or len(derived.sources) > 1:
         return set()
     alike = [each for each in profile.derived.values() if type(each) is type(derived)]
-    return {source for each in alike if each is not derived for source in _sources(each)}
+    return {source for each in alike if each is not derived for source in each.sources}
 
 
 def _valid_sources(
     profile: model.Profile, derived: kinds.Derived, types: Mapping[str, object]
 ) -> list[str]:
-    match derived:
-        case kinds.DiameterOf():
+    match derived.OF:
+        case "parts":
             return list(profile.body.parts)
-        case (
-            kinds.OdometryOf()
-            | kinds.SpeedOf()
-            | kinds.RobotSpeedOf()
-            | kinds.SlipSpeedOf()
-            | kinds.SlipOf()
-            | kinds.NormalForceOf()
-            | kinds.FrictionUsedOf()
-            | kinds.FrictionOf()
-        ):
+        case "wheels":
             return [wheel.name for wheel in profile.body.wheels]
-        case kinds.BoundOf():
+        case "odometry":
             odometry = [n for n, d in profile.derived.items() if isinstance(d, kinds.OdometryOf)]
             return odometry[:1]
-        case (
-            kinds.RateOf()
-            | kinds.TorqueOf()
-            | kinds.RollOf()
-            | kinds.PitchOf()
-            | kinds.NormOf()
-            | kinds.LeastOf()
-        ):
+        case "signals" | "axes":
             measured = [c.signal for board in profile.boards for c in board.channels if c.signal]
             numbers = [name for name, kind in types.items() if isinstance(kind, NumberType)]
             return [*numbers, *measured]  # also those with a faulty conversion
 
 
-def _dimension(  # noqa: C901 - one case for each kind
-    signals: Signals, derived: kinds.Derived, types: Mapping[str, NumberType | EnumType], path: Path
-) -> Dimension:
-    def of(name: str) -> Dimension:
-        kind = types.get(name)
-        return kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
-
-    match derived:
-        case kinds.RateOf(rate_of=source):
-            return of(source) / TIME
-        case kinds.TorqueOf(torque_of=source, slot=slot, scale=scale):
-            dimension = signals.constant(scale, (*path, "scale"))[1] * of(source)
-            if of(source) != CURRENT or dimension != TORQUE:
-                signals.problems.add(
-                    "robot.scale", path, "a torque is a current times a scale such as '0.9 Nm/A'"
-                )
-            if slot not in [each.name for each in signals.profile.slots]:
-                signals.problems.add("robot.slot", (*path, "slot"), f"there is no slot '{slot}'")
-            return TORQUE
-        case kinds.RollOf() | kinds.PitchOf():
-            return ANGLE
-        case kinds.NormOf(norm_of=sources) | kinds.LeastOf(least_of=sources):
-            return of(sources[0])
-        case kinds.SpeedOf() | kinds.RobotSpeedOf() | kinds.SlipSpeedOf():
-            return SPEED
-        case kinds.SlipOf() | kinds.FrictionOf() | kinds.FrictionUsedOf():
-            return DIMENSIONLESS
-        case kinds.NormalForceOf():
-            return FORCE
-        case kinds.DiameterOf() | kinds.OdometryOf() | kinds.BoundOf():
-            return LENGTH
+def _check_torque(signals: Signals, derived: kinds.TorqueOf, own: Dimension, path: Path) -> None:
+    """Report a scale that makes no torque of what it is derived from, and an unknown slot."""
+    dimension = signals.constant(derived.scale, (*path, "scale"))[1] * own
+    if own != CURRENT or dimension != TORQUE:
+        message = "a torque is a current times a scale such as '0.9 Nm/A'"
+        signals.problems.add("robot.scale", path, message)
+    if derived.slot not in [each.name for each in signals.profile.slots]:
+        message = f"there is no slot '{derived.slot}'"
+        signals.problems.add("robot.slot", (*path, "slot"), message)
 
 
 DETECTOR, SEGMENT, JOINT = OUTSIDE

@@ -26,14 +26,9 @@ from pirate_sm.core._model.quantities import (
 from pirate_sm.core._model.robot.actuation import Control, PostureCase, Stages
 from pirate_sm.core._model.robot.body import Body, Motor
 from pirate_sm.core._model.robot.done_criteria import Criterion
+from pirate_sm.core._model.robot.limits import Plausibility
 from pirate_sm.core._model.robot.seen_states import Seen
-from pirate_sm.core._model.robot.signals import (
-    Conversion,
-    Derived,
-    DiameterOf,
-    Plausibility,
-    Serial,
-)
+from pirate_sm.core._model.robot.signals import Conversion, Derived, DiameterOf, Serial
 from pirate_sm.core._model.robot.simulation import Simulation
 
 _OFF_RAD = radians(15)

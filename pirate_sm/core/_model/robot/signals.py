@@ -1,22 +1,24 @@
-"""Signals of a robot: the serial link that brings them, their limits, and derived signals."""
+"""Signals of a robot: the serial link that brings them, and what is derived from others."""
 
 from __future__ import annotations
 
-from math import radians
-from typing import Annotated, Literal, TypeAlias
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal, NamedTuple, TypeAlias
 
 from pydantic import Field, StringConstraints, Tag, model_validator
 
 from pirate_sm.core._model.base import Frozen, Name, by_key
-from pirate_sm.core._model.quantities import (
-    Acceleration,
-    Angle,
-    Count,
-    Duration,
-    Number,
-    PositiveDuration,
-    Ratio,
-    Speed,
+from pirate_sm.core._model.quantities import Count, Duration, PositiveDuration, Speed
+from pirate_sm.core._model.robot.body import Body
+from pirate_sm.core.units import (
+    ANGLE,
+    DIMENSIONLESS,
+    FORCE,
+    LENGTH,
+    SPEED,
+    TIME,
+    TORQUE,
+    Dimension,
 )
 
 TypeName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z]\w*/[A-Za-z]\w*$")]
@@ -143,17 +145,80 @@ class Conversion(Frozen):
     scale: str
 
 
-class RateOf(Frozen):
+Operation: TypeAlias = Literal["rate", "torque", "roll", "pitch", "norm", "diameter"]
+"""What a row of the table of signals does, see :mod:`pirate_sm.core._engine.sensing.evaluator`."""
+
+
+class SignalRow(NamedTuple):
+    """One of the operations that a derived signal is made of.
+
+    Attributes:
+        operation: What it does.
+        sources: The signals that it takes first; among them may be the derived one as it is so far.
+        slot: The slot whose setpoint it takes next; empty for none.
+        constants: What it takes last: numbers in SI units, or constant expressions.
+    """
+
+    operation: Operation
+    sources: tuple[str, ...]
+    slot: str = ""
+    constants: tuple[float | str, ...] = ()
+
+
+DerivedFrom: TypeAlias = Literal["signals", "axes", "wheels", "parts", "odometry"]
+"""What the first key of a kind of derived signal names; axes are x, y and z of an accelerometer."""
+
+
+class DerivedSignal(Frozen):
+    """A kind of derived signal, with its keys.
+
+    ``OF`` is what its first key names, ``DIMENSION`` that of the signal, by default that of the
+    first of them. ``OPERATION`` makes the signal of them in a frame of their board; a kind that
+    needs more has `rows` of its own. One with neither is made of the frames of several boards.
+    """
+
+    OF: ClassVar[DerivedFrom] = "signals"
+    DIMENSION: ClassVar[Dimension | None] = None
+    OPERATION: ClassVar[Operation | None] = None
+
+    @classmethod
+    def key(cls) -> str:
+        """Return the key by which a profile chooses this kind."""
+        return next(iter(cls.model_fields))
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Return what it is derived from."""
+        value: str | tuple[str, ...] = getattr(self, self.key())
+        return (value,) if isinstance(value, str) else value
+
+    def dimension(self, own: Dimension) -> Dimension:
+        """Return its dimension if that of what it is derived from is ``own``."""
+        return own if self.DIMENSION is None else self.DIMENSION
+
+    def rows(self, name: str, body: Body) -> Iterator[SignalRow]:
+        """Yield the operations by which a frame gives the signal of this name."""
+        if self.OPERATION:
+            yield SignalRow(self.OPERATION, self.sources)
+
+
+class RateOf(DerivedSignal):
     """Difference of a signal between two frames, divided by their time interval (thesis B-11).
 
     Attributes:
         rate_of: The signal.
     """
 
+    OPERATION: ClassVar = "rate"
+
     rate_of: Name
 
+    def dimension(self, own: Dimension) -> Dimension:
+        """Return the dimension of a rate."""
+        return own / TIME
 
-class TorqueOf(Frozen):
+
+class TorqueOf(DerivedSignal):
     """Current times ``scale`` with the sign of a slot's setpoint (thesis eq. 5-3).
 
     Attributes:
@@ -162,32 +227,46 @@ class TorqueOf(Frozen):
         scale: Torque per current, a constant expression such as ``0.9 Nm/A``.
     """
 
+    DIMENSION: ClassVar = TORQUE
+
     torque_of: Name
     slot: Name
     scale: str
 
+    def rows(self, name: str, body: Body) -> Iterator[SignalRow]:
+        """Yield the operation."""
+        yield SignalRow("torque", self.sources, self.slot, (self.scale,))
 
-class RollOf(Frozen):
+
+class RollOf(DerivedSignal):
     """Roll from an accelerometer's x, y, z (thesis B-13).
 
     Attributes:
         roll_of: The signals x, y and z of the accelerometer.
     """
 
+    OF: ClassVar = "axes"
+    DIMENSION: ClassVar = ANGLE
+    OPERATION: ClassVar = "roll"
+
     roll_of: Annotated[tuple[Name, ...], Field(min_length=3, max_length=3)]
 
 
-class PitchOf(Frozen):
+class PitchOf(DerivedSignal):
     """Pitch from an accelerometer's x, y, z (thesis B-14).
 
     Attributes:
         pitch_of: The signals x, y and z of the accelerometer.
     """
 
+    OF: ClassVar = "axes"
+    DIMENSION: ClassVar = ANGLE
+    OPERATION: ClassVar = "pitch"
+
     pitch_of: Annotated[tuple[Name, ...], Field(min_length=3, max_length=3)]
 
 
-class NormOf(Frozen):
+class NormOf(DerivedSignal):
     """Length of the vector of these signals.
 
     Attributes:
@@ -196,48 +275,77 @@ class NormOf(Frozen):
 
     norm_of: Annotated[tuple[Name, ...], Field(min_length=1)]
 
+    def rows(self, name: str, body: Body) -> Iterator[SignalRow]:
+        """Yield the norm of the first three, and with each two more that of it and them."""
+        first, others = self.norm_of[0], self.norm_of[1:]
+        for at in range(0, max(len(others), 1), 2):
+            yield SignalRow("norm", (name if at else first, *others[at : at + 2]))
 
-class DiameterOf(Frozen):
+
+class DiameterOf(DerivedSignal):
     """Inner diameter at a clamped part, h + 2r (thesis eq. 3-2).
 
     Attributes:
         diameter_of: The part.
     """
 
+    OF: ClassVar = "parts"
+    DIMENSION: ClassVar = LENGTH
+
     diameter_of: Name
 
+    def rows(self, name: str, body: Body) -> Iterator[SignalRow]:
+        """Yield the operation. Eq. 3-2 assumes two legs of equal length."""
+        apex, leg_m = body.parts[self.diameter_of].apex, body.legs_m(self.diameter_of)[0]
+        yield SignalRow("diameter", (apex,), constants=(leg_m, 2 * body.wheel_radius))
 
-class OdometryOf(Frozen):
+
+class OdometryOf(DerivedSignal):
     """Distance rolled forward: mean over the driven ones among these wheels.
 
     Attributes:
         odometry_of: The wheels.
     """
 
+    OF: ClassVar = "wheels"
+    DIMENSION: ClassVar = LENGTH
+
     odometry_of: Annotated[tuple[Name, ...], Field(min_length=1)]
 
 
-class BoundOf(Frozen):
+class BoundOf(DerivedSignal):
     """How far the robot may be from the distance that its odometry shows.
 
     Attributes:
         bound_of: The signal of the odometry.
     """
 
+    OF: ClassVar = "odometry"
+    DIMENSION: ClassVar = LENGTH
+
     bound_of: Name
 
 
-class SpeedOf(Frozen):
+class SpeedOf(DerivedSignal):
     """Forward speed: mean rim speed of the driven ones among these wheels.
 
     Attributes:
         speed_of: The wheels.
     """
 
+    OF: ClassVar = "wheels"
+    DIMENSION: ClassVar = SPEED
+
     speed_of: Annotated[tuple[Name, ...], Field(min_length=1)]
 
 
-class RobotSpeedOf(Frozen):
+class TractionSignal(DerivedSignal):
+    """A signal of slip, normal force or friction, which is made of all boards."""
+
+    OF: ClassVar[DerivedFrom] = "wheels"
+
+
+class RobotSpeedOf(TractionSignal):
     """Speed of the body: as measured from outside, else the median of the wheels that agree.
 
     Attributes:
@@ -246,12 +354,14 @@ class RobotSpeedOf(Frozen):
         agreeing: How far a wheel's rim speed may differ from the median of all.
     """
 
+    DIMENSION: ClassVar = SPEED
+
     robot_speed_of: Annotated[tuple[Name, ...], Field(min_length=1)]
     measured: Name
     agreeing: Annotated[Speed, Field(gt=0)] = 0.010
 
 
-class SlipSpeedOf(Frozen):
+class SlipSpeedOf(TractionSignal):
     """Speed of a wheel's rim less that of the body (thesis fig. 6-7).
 
     Attributes:
@@ -259,11 +369,13 @@ class SlipSpeedOf(Frozen):
         speed: The body speed that is measured from outside, or the signal that falls back from it.
     """
 
+    DIMENSION: ClassVar = SPEED
+
     slip_speed_of: Name
     speed: Name
 
 
-class SlipOf(Frozen):
+class SlipOf(TractionSignal):
     """Slip ratio of a wheel, (v - r d omega) / v (thesis eq. 2-1).
 
     Attributes:
@@ -272,32 +384,38 @@ class SlipOf(Frozen):
         unknown_below: Body speed below which the ratio means nothing.
     """
 
+    DIMENSION: ClassVar = DIMENSIONLESS
+
     slip_of: Name
     speed: Name
     unknown_below: Annotated[Speed, Field(gt=0)]
 
 
-class NormalForceOf(Frozen):
+class NormalForceOf(TractionSignal):
     """How hard a wheel presses on its wall, by the statics of the chain.
 
     Attributes:
         normal_force_of: The wheel.
     """
 
+    DIMENSION: ClassVar = FORCE
+
     normal_force_of: Name
 
 
-class FrictionUsedOf(Frozen):
+class FrictionUsedOf(TractionSignal):
     """Force of a wheel along the wall over its normal force: a lower bound of the friction.
 
     Attributes:
         friction_used_of: The wheel.
     """
 
+    DIMENSION: ClassVar = DIMENSIONLESS
+
     friction_used_of: Name
 
 
-class FrictionOf(Frozen):
+class FrictionOf(TractionSignal):
     """Coefficient of kinetic friction of a wheel, known while it slips the way it is driven.
 
     Attributes:
@@ -306,25 +424,23 @@ class FrictionOf(Frozen):
         steady: For how long the wheel must have slipped.
     """
 
+    DIMENSION: ClassVar = DIMENSIONLESS
+
     friction_of: Name
     slip_above: Annotated[Speed, Field(gt=0)]
     steady: Annotated[Duration, Field(ge=0)]
 
 
-class LeastOf(Frozen):
+class LeastOf(TractionSignal):
     """The least of the signals that are known.
 
     Attributes:
         least_of: The signals, all of one kind.
     """
 
+    OF: ClassVar = "signals"
+
     least_of: Annotated[tuple[Name, ...], Field(min_length=1)]
-
-
-Traction: TypeAlias = (
-    RobotSpeedOf | SlipSpeedOf | SlipOf | NormalForceOf | FrictionUsedOf | FrictionOf | LeastOf
-)
-"""Signals of slip, normal force and friction, which are made of all boards."""
 
 
 DERIVED_KINDS = (
@@ -357,60 +473,3 @@ Derived: TypeAlias = Annotated[
         custom_error_message="expected a mapping with one of " + ", ".join(DERIVED_KINDS),
     ),
 ]
-
-
-_Factor = Annotated[Number, Field(gt=0)]
-_PositiveAngle = Annotated[Angle, Field(gt=0)]
-_Readings = Annotated[Count, Field(ge=1)]
-
-
-class Plausibility(Frozen):
-    """Limits beyond which a sensor is wrong in any situation.
-
-    Attributes:
-        overspeed: Largest speed of an angle as a multiple of the no-load speed of its motor; other
-            motors may push it. A joint whose spring's torque is measured has no such allowance.
-        joint_slack: Additional change of a joint allowed between two readings.
-        wheel_slack: Additional change of a wheel allowed between two readings.
-        beyond_stop: How far a joint's angle may be beyond its end stop.
-        overcurrent: Largest current as a multiple of the motor's stall current.
-        overtorque: Largest torque as a multiple of the motor's stall torque; outside forces can
-            wind up a spring behind a self-locking gear.
-        acceleration: Largest magnitude of each number of an accelerometer; without one all are
-            believed.
-        hold_back: Number of readings for which the last believed value replaces an impossible one.
-        spikes: Number of spikes of one sensor within ``spikes_within`` that is a fault.
-        spikes_within: Duration in which spikes are counted.
-        stuck_after: A sensor is stuck if it shows the same value for this long while its motor is
-            driven without load.
-        unloaded: A motor is without load below this share of its stall current at the same duty
-            cycle.
-        surely_driven: A motor certainly turns above this multiple of the least duty cycle of its
-            position loop.
-        settle: All motion ends within this time after the last change of a setpoint.
-        joint_moved: Smallest change of a joint that counts as motion.
-        wheel_moved: Smallest change of a wheel that counts as motion.
-        moved_readings: Number of consecutive readings that must show an unexpected motion.
-        spring: By this share a joint's spring may be stiffer or softer than its motor says.
-        repeats: A joint may have turned for this long although its board repeats its angle.
-    """
-
-    overspeed: _Factor = 3.0
-    joint_slack: _PositiveAngle = radians(6)
-    wheel_slack: _PositiveAngle = 1.0
-    beyond_stop: _PositiveAngle = radians(12)
-    overcurrent: _Factor = 2.0
-    overtorque: _Factor = 8.0
-    acceleration: Annotated[Acceleration, Field(gt=0)] | None = None
-    hold_back: Count = 2
-    spikes: _Readings = 5
-    spikes_within: PositiveDuration = 10.0
-    stuck_after: PositiveDuration = 1.5
-    unloaded: Annotated[Ratio, Field(gt=0, le=1)] = 0.4
-    surely_driven: _Factor = 1.5
-    settle: PositiveDuration = 1.5
-    joint_moved: _PositiveAngle = radians(20)
-    wheel_moved: _PositiveAngle = 1.0
-    moved_readings: _Readings = 2
-    spring: Annotated[Ratio, Field(ge=0, lt=1)] = 0.0
-    repeats: PositiveDuration = 0.2
