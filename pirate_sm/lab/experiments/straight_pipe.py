@@ -111,12 +111,7 @@ class SlipSignals:
     def friction_n(self, wheel: Wheel) -> Floats:
         """Return the friction force from the motor's current (eq. 5-3)."""
         slots = {slot.wheel: slot.name for slot in self._profile.slots if slot.wheel}
-        derived = self._profile.derived.items()
-        name = next(
-            name
-            for name, each in derived
-            if isinstance(each, kinds.TorqueOf) and each.slot == slots[wheel.name]
-        )
+        name = self._profile.derived_by(kinds.TorqueOf, slot=slots[wheel.name])
         torque = self._smooth(*self._first(column(self._columns, name)))
         return np.abs(torque) / self._profile.body.wheel_radius
 

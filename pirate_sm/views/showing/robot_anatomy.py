@@ -141,11 +141,6 @@ class _Seeker:
             for channel in board.channels
             if board.fitted and board.channels_fitted
         }
-        self._torques = {
-            each.slot: signal
-            for signal, each in profile.derived.items()
-            if isinstance(each, kinds.TorqueOf)
-        }
         self._heat: dict[str, list[int]] = {}
         for index, rule in enumerate(robot.faults):
             names = {
@@ -168,7 +163,7 @@ class _Seeker:
         if not limit:
             limit = slot.limit or (0.0 if slot.unit == "angle" else kind.no_load_speed or 0.0)
         heat = tuple(self._heat.get(current, ()))
-        torque = torque or self._torques.get(slot.name, "")
+        torque = torque or self._profile.derived_by(kinds.TorqueOf, slot=slot.name)
         return MotorReadings(
             name, value, limit, torque, current, kind.stall_current or 0.0, found[0], heat
         )

@@ -22,6 +22,7 @@ from pirate_sm.core._geometry.space import GRAVITY_M_S2
 from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.signals import Signals
 from pirate_sm.core._model.robot import profile as model
+from pirate_sm.core._model.robot import signals as kinds
 from pirate_sm.core._model.robot.actuation import (
     Duty,
     HeldTorque,
@@ -32,7 +33,7 @@ from pirate_sm.core._model.robot.actuation import (
     Target,
 )
 from pirate_sm.core._model.robot.body import Motor
-from pirate_sm.core.units import ANGLE, ANGULAR_SPEED, TORQUE
+from pirate_sm.core.units import ANGLE, TORQUE
 
 
 @dataclass(frozen=True)
@@ -80,10 +81,12 @@ def _slot(signals: Signals, slot: model.Slot, path: Path) -> SlotSpec:
         slot.name, "duty", -1.0, 1.0, resolution, self_locking=locks, drives=slot.drives
     )
     if slot.joint is None:
+        body = profile.body
+        speed = next((signals.index(w.speed) for w in body.wheels if w.name == slot.wheel), -1)
         return replace(
             duty,
-            velocity=_velocity(signals, slot, motor, path),
-            wheel_torque=_wheel_torque(signals, slot, motor, path),
+            velocity=_velocity(motor, speed, body.wheel_radius),
+            wheel_torque=_wheel_torque(motor, speed),
         )
     joints = profile.body.joints
     place = next((n for n, joint in enumerate(joints) if joint.name == slot.joint), -1)
@@ -103,35 +106,26 @@ def _slot(signals: Signals, slot: model.Slot, path: Path) -> SlotSpec:
     return replace(
         duty,
         angle=signals.number(slot.joint, (*path, "joint"), ANGLE) if known else -1,
-        rate=signals.rate_of(slot.joint),
+        rate=signals.derived_by(kinds.RateOf, rate_of=slot.joint),
         torque=torque,
         position=loop,
         held_torque=_held_torque(motor, torque),
     )
 
 
-def _velocity(signals: Signals, slot: model.Slot, motor: Motor, path: Path) -> VelocitySpec | None:
-    """Return the velocity loop of the slot's wheel; None without one."""
-    settings, body = motor.velocity_loop, signals.profile.body
-    wheel = next((each for each in body.wheels if each.name == slot.wheel), None)
-    if settings is None or wheel is None:
+def _velocity(motor: Motor, speed: int, radius_m: float) -> VelocitySpec | None:
+    """Return the velocity loop of a wheel by the number index of its speed; None without one."""
+    loop, no_load_rad_s = motor.velocity_loop, motor.no_load_speed or inf
+    if loop is None or speed < 0:
         return None
-    speed = signals.number(wheel.speed, (*path, "wheel"), ANGULAR_SPEED)
-    no_load_rad_s = motor.no_load_speed or inf
-    radius_m = body.wheel_radius
     stall_nm = motor.stall_torque or 0.0
-    return VelocitySpec(settings.gain, settings.limit, no_load_rad_s, speed, radius_m, stall_nm)
+    return VelocitySpec(loop.gain, loop.limit, no_load_rad_s, speed, radius_m, stall_nm)
 
 
-def _wheel_torque(
-    signals: Signals, slot: model.Slot, motor: Motor, path: Path
-) -> WheelTorqueSpec | None:
-    """Return how the slot's wheel is kept at a torque; None where it cannot be."""
-    wheels = signals.profile.body.wheels
-    wheel = next((each for each in wheels if each.name == slot.wheel), None)
-    if wheel is None or not motor.stall_torque or not motor.no_load_speed:
+def _wheel_torque(motor: Motor, speed: int) -> WheelTorqueSpec | None:
+    """Return how a wheel is kept at a torque; None where it cannot be."""
+    if speed < 0 or not motor.stall_torque or not motor.no_load_speed:
         return None
-    speed = signals.number(wheel.speed, (*path, "wheel"), ANGULAR_SPEED)
     return WheelTorqueSpec(motor.stall_torque, motor.no_load_speed, speed)
 
 
@@ -192,7 +186,7 @@ def _vee(profile: model.Profile, signals: Signals, name: str) -> Vee:
     return Vee(
         tuple(index for index, wheel in enumerate(body.wheels) if wheel.part == name),
         signals.index(apex.name if apex else None),
-        signals.index(profile.diameter_of(name)),
+        signals.derived_by(kinds.DiameterOf, diameter_of=name),
         apex.end_stop if apex else 0.0,
     )
 

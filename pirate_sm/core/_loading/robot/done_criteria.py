@@ -22,6 +22,7 @@ from pirate_sm.core._expressions import NumberType
 from pirate_sm.core._loading.problems import Path
 from pirate_sm.core._loading.robot.signals import Signals
 from pirate_sm.core._model.robot import done_criteria as model
+from pirate_sm.core._model.robot.signals import RateOf
 from pirate_sm.core.units import Quantity, describe
 
 
@@ -140,7 +141,7 @@ def _numbers(
 
 def rate_of(name: str, signals: Signals, code: str, path: Path) -> int:
     """Return the number index of how fast a joint turns; report a missing one by this code."""
-    rate = signals.rate_of(name)
+    rate = signals.derived_by(RateOf, rate_of=name)
     if rate < 0:
         message = f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}"
         signals.problems.add(code, path, message)

@@ -35,6 +35,7 @@ from pirate_sm.core._loading.robot.sensing import resolve_boards, resolve_tracti
 from pirate_sm.core._loading.robot.signals import resolve_signals, resolve_words, words_behind
 from pirate_sm.core._loading.yaml.document import Document, read_document
 from pirate_sm.core._loading.yaml.validation import try_validate
+from pirate_sm.core._model.robot import signals as kinds
 from pirate_sm.core._model.robot.body import Motor
 from pirate_sm.core._model.robot.profile import Profile
 from pirate_sm.core._model.robot.simulation import MotorNumbers, Twin
@@ -265,9 +266,9 @@ def _resolve(
         safe_zero=zero,
         boards=boards,
         wheels=signals.wheels,
-        odometry=signals.first_of("odometry_of"),
-        bound=signals.first_of("bound_of"),
-        speed=signals.first_of("speed_of"),
+        odometry=signals.derived_by(kinds.OdometryOf),
+        bound=signals.derived_by(kinds.BoundOf),
+        speed=signals.derived_by(kinds.SpeedOf),
         faults=faults,
         link=signals.link,
         plausibility=thresholds(profile),
@@ -280,7 +281,7 @@ def _resolve(
             name: (signals.vocabulary.numbers.index(name), each.valid_for)
             for name, each in profile.outside.items()
         },
-        word_conditions=resolve_words(signals),
+        word_conditions=tuple(resolve_words(signals)),
         words_joint={
             name: word.joint for name, word in profile.detector.words.items() if word.joint
         },
@@ -359,14 +360,14 @@ def with_twin(profile: Profile, twin: Twin) -> Profile:
         name: _numbered(motor, twin.motors.get(name)) for name, motor in profile.motors.items()
     }
     own = {s.name: s for s in profile.slots if s.joint is not None and s.joint in twin.joints}
-    kinds = {name: f"{slot.motor}_of_{slot.joint}" for name, slot in own.items()}
+    names = {name: f"{slot.motor}_of_{slot.joint}" for name, slot in own.items()}
     for name, slot in own.items():
-        motors[kinds[name]] = _numbered(motors[slot.motor], twin.joints[slot.joint or ""])
+        motors[names[name]] = _numbered(motors[slot.motor], twin.joints[slot.joint or ""])
     boards = tuple(
         board.model_copy(
             update={
                 "slots": tuple(
-                    slot.model_copy(update={"motor": kinds.get(slot.name, slot.motor)})
+                    slot.model_copy(update={"motor": names.get(slot.name, slot.motor)})
                     for slot in board.slots
                 )
             }

@@ -20,6 +20,7 @@ from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.done_criteria import rate_of, resolve_load, turning_rad_s
 from pirate_sm.core._loading.robot.signals import Signals
 from pirate_sm.core._model.robot import seen_states as model
+from pirate_sm.core._model.robot.signals import DiameterOf
 
 
 def resolve_sight(
@@ -82,7 +83,7 @@ def _part(
     path: Path = ("seen", "parts", name)
     profile, problems = signals.profile, signals.problems
     body = profile.body
-    apex, diameter = body.apex_of(name), profile.diameter_of(name)
+    apex, diameter = body.apex_of(name), profile.derived_by(DiameterOf, diameter_of=name)
     if not diameter:
         problems.add(
             "robot.seen",

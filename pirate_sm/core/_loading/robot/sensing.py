@@ -236,7 +236,7 @@ def _wheel_traction(
         board.position if board else -1,
         wheel.slot,
         wheel.speed,
-        _torque_of(signals, slot.name),
+        signals.derived_by(kinds.TorqueOf, slot=slot.name),
         wheel.metres_per_rad,
         motor.stall_torque or 0.0,
         motor.no_load_speed or inf,
@@ -262,14 +262,6 @@ def _with_shared(
             case _:
                 pass
     return spec
-
-
-def _torque_of(signals: Signals, slot: str) -> int:
-    """Return the number index of the torque of a slot's motor; -1 where none is derived."""
-    for name, derived in signals.profile.derived.items():
-        if isinstance(derived, kinds.TorqueOf) and derived.slot == slot:
-            return signals.vocabulary.numbers.index(name)
-    return -1
 
 
 def _with_targets(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from pirate_sm.core._engine.robot.robot_spec import ChartTable, WordCondition
 from pirate_sm.core._engine.sensing.board_spec import LinkSpec, WheelSpec
@@ -36,6 +36,8 @@ from pirate_sm.core.units import (
 )
 
 _NOTHING = Vocabulary({})
+
+_Types: TypeAlias = dict[str, NumberType | EnumType]
 
 
 @dataclass
@@ -117,19 +119,9 @@ class Signals:
         assert value is not None
         return value, expression.type.dimension
 
-    def first_of(self, kind: str) -> int:
-        """Return the index of the first derived signal of this kind; -1 without one."""
-        for name, derived in self.profile.derived.items():
-            if hasattr(derived, kind):
-                return self.vocabulary.numbers.index(name)
-        return -1
-
-    def rate_of(self, name: str) -> int:
-        """Return the index of the signal that is this one's rate; -1 without one."""
-        for rate, derived in self.profile.derived.items():
-            if isinstance(derived, kinds.RateOf) and derived.rate_of == name:
-                return self.vocabulary.numbers.index(rate)
-        return -1
+    def derived_by(self, kind: type[kinds.DerivedSignal], **keys: str) -> int:
+        """Return the index of the first derived signal of a kind with these keys, or -1."""
+        return self.index(self.profile.derived_by(kind, **keys))
 
 
 def _no_scale(value: float | None) -> str:
@@ -154,15 +146,23 @@ def _check_name(
         problems.add("robot.name", path, str(error), key=key)
 
 
-def _add_derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
+def _declare(
+    signals: Signals, types: _Types, name: str, dimension: Dimension, path: Path, *, key: bool
+) -> None:
+    """Add the type of a signal; report a name that is taken or that conditions cannot use."""
+    if name in types:
+        signals.problems.add("robot.signal", path, f"'{name}' is declared twice", key=key)
+    types[name] = NumberType(dimension)
+    _check_name(name, types[name], path, signals.problems, key=key)
+
+
+def _add_derived(signals: Signals, types: _Types) -> None:
     """Add the types of all derived signals; report signals that cannot be derived."""
     profile = signals.profile
     told = [c.signal for board in profile.boards for c in board.channels if c.signal]
     hidden = len(set(told)) < len(told)  # one that is told twice hides the one that is missing
     for name, derived in profile.derived.items():
         path: Path = ("derived", name)
-        if name in types:
-            signals.problems.add("robot.signal", path, f"'{name}' is declared twice", key=True)
         taken = _taken(profile, derived)
         for source in derived.sources:
             valid = _valid_sources(profile, derived, types)
@@ -175,8 +175,7 @@ def _add_derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> N
         own = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
         if isinstance(derived, kinds.TorqueOf):
             _check_torque(signals, derived, own, path)
-        types[name] = NumberType(derived.dimension(own))
-        _check_name(name, types[name], path, signals.problems, key=True)
+        _declare(signals, types, name, derived.dimension(own), path, key=True)
 
 
 def _taken(profile: model.Profile, derived: kinds.Derived) -> set[str]:
@@ -229,7 +228,7 @@ def resolve_signals(
     for name, conversion in profile.conversions.items():
         path = ("conversions", name, "scale")
         signals.scales[name] = signals.constant(conversion.scale, path)
-    types: dict[str, NumberType | EnumType] = {}
+    types: _Types = {}
     for region, states in zip(table.regions, table.states, strict=True):
         types[region] = EnumType(states)
     types[DETECTOR] = EnumType(tuple(profile.detector.words))
@@ -254,22 +253,20 @@ def resolve_signals(
     return signals
 
 
-def _outside(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
+def _outside(signals: Signals, types: _Types) -> None:
     """Add the types of the signals that are measured outside, or report what is wrong."""
-    problems = signals.problems
     for name, outside in signals.profile.outside.items():
-        if name in types:
-            problems.add("robot.signal", ("outside", name), f"'{name}' is declared twice", key=True)
+        path: Path = ("outside", name)
         try:
-            types[name] = NumberType(parse_quantity(f"1 {outside.unit}").dimension)
+            dimension = parse_quantity(f"1 {outside.unit}").dimension
         except QuantityError:
-            at, message = ("outside", name, "unit"), f"unknown unit '{outside.unit}'"
-            problems.add("robot.signal", at, message, expected="a unit such as 'm/s'")
+            at, message = (*path, "unit"), f"unknown unit '{outside.unit}'"
+            signals.problems.add("robot.signal", at, message, expected="a unit such as 'm/s'")
             continue
-        _check_name(name, types[name], ("outside", name), problems, key=True)
+        _declare(signals, types, name, dimension, path, key=True)
 
 
-def _measured(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
+def _measured(signals: Signals, types: _Types) -> None:
     for number, board in enumerate(signals.profile.boards):
         for place, channel in enumerate(board.channels):
             path: Path = ("boards", number, "channels", place)
@@ -279,15 +276,10 @@ def _measured(signals: Signals, types: dict[str, NumberType | EnumType]) -> None
                     "robot.conversion", (*path, "convert"), "conversion", convert, signals.scales
                 )
                 continue
-            if channel.signal is None:
-                continue
-            if channel.signal in types:
-                signals.problems.add(
-                    "robot.signal", (*path, "signal"), f"'{channel.signal}' is declared twice"
-                )
-            dimension = signals.scales[convert][1] if convert else DIMENSIONLESS
-            types[channel.signal] = NumberType(dimension)
-            _check_name(channel.signal, types[channel.signal], (*path, "signal"), signals.problems)
+            if channel.signal is not None:
+                dimension = signals.scales[convert][1] if convert else DIMENSIONLESS
+                at = (*path, "signal")
+                _declare(signals, types, channel.signal, dimension, at, key=False)
 
 
 def _wheels(signals: Signals) -> tuple[WheelSpec, ...]:
@@ -332,12 +324,8 @@ def _with_motor(signals: Signals, wheel: WheelSpec) -> WheelSpec:
     )
 
 
-def resolve_words(signals: Signals) -> tuple[WordCondition, ...]:
-    """Return the conditions of the words that have one, in the profile's order; report faults."""
-    return tuple(_conditions(signals))
-
-
-def _conditions(signals: Signals) -> Iterator[WordCondition]:
+def resolve_words(signals: Signals) -> Iterator[WordCondition]:
+    """Yield the conditions of the words that have one, in the profile's order; report faults."""
     for name, word in signals.profile.detector.words.items():
         if word.when is None:
             continue

@@ -28,7 +28,7 @@ from pirate_sm.core._model.robot.body import Body, Motor
 from pirate_sm.core._model.robot.done_criteria import Criterion
 from pirate_sm.core._model.robot.limits import Plausibility
 from pirate_sm.core._model.robot.seen_states import Seen
-from pirate_sm.core._model.robot.signals import Conversion, Derived, DiameterOf, Serial
+from pirate_sm.core._model.robot.signals import Conversion, Derived, DerivedSignal, Serial
 from pirate_sm.core._model.robot.simulation import Simulation
 
 _OFF_RAD = radians(15)
@@ -455,10 +455,10 @@ class Profile(Frozen):
         """Return all slots in the order of the wire."""
         return tuple(slot for board in self.boards for slot in board.slots)
 
-    def diameter_of(self, part: Name) -> str:
-        """Return the signal of the inner diameter that a part shows; empty where there is none."""
+    def derived_by(self, kind: type[DerivedSignal], **keys: str) -> str:
+        """Return the first derived signal of a kind with these keys; empty where there is none."""
         for name, it in self.derived.items():
-            if isinstance(it, DiameterOf) and it.diameter_of == part:
+            if isinstance(it, kind) and all(getattr(it, key) == keys[key] for key in keys):
                 return name
         return ""
 
