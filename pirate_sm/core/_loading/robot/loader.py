@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal
+from typing import Final, Literal
 
 from pirate_sm.core._engine.mission.program import RuleSpec
 from pirate_sm.core._engine.robot.robot_spec import ChartTable, RobotSpec
@@ -92,6 +92,12 @@ def load_robot(folder: Path) -> LoadedRobot:
     return robot
 
 
+_SOUND: Final[dict[tuple[str, ...], LoadedRobot]] = {}
+"""Robots without problems by their texts: a copy, as in a recording, is not resolved again."""
+
+_MOST_SOUND: Final = 8
+
+
 def read_robot(folder: Path) -> tuple[LoadedRobot, Problems]:
     """Return the robot in this folder as far as it makes sense, and what is wrong with it.
 
@@ -113,14 +119,21 @@ def read_robot(folder: Path) -> tuple[LoadedRobot, Problems]:
     problems.raise_errors()
     assert chart_document is not None  # raise_errors has raised otherwise
     assert outline is not None
+    files = (document, chart_document)
+    texts = tuple(each.complete_text for each in files)
+    if known := _SOUND.get(texts):
+        return replace(known, documents=files, folder=folder), problems
     table = cached_table(chart_document, outline, problems)
     _check_reached(outline, table, problems.about(chart_document))
     rules = resolve_rules(profile, table, problems)
     normal = mirrored = _resolve(profile, table, "normal", problems)
     if not problems.errors:
         mirrored = _resolve(profile, table, "mirrored", problems)
-    files = (document, chart_document)
     robot = LoadedRobot(profile, profile, table, files, folder, normal, mirrored, rules, outline)
+    if not problems.all:
+        _SOUND[texts] = robot
+        if len(_SOUND) > _MOST_SOUND:
+            del _SOUND[next(iter(_SOUND))]
     return robot, problems
 
 

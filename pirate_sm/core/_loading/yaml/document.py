@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -245,7 +246,7 @@ def parse_document(text: str | bytes, name: str) -> Document:
         raise _too_large(name)
     _refuse_unprintable(decoded, name)
     lines = tuple(decoded.splitlines())
-    root, faults = compose(decoded)
+    root, faults = _composed(decoded)
     problems = [
         Problem(
             fault.code,
@@ -262,6 +263,10 @@ def parse_document(text: str | bytes, name: str) -> Document:
     if root is None:
         raise _refusal(name, "empty", "the file is empty; a mapping is expected")
     return Document(name=name, text=decoded, _root=root, lines=lines)
+
+
+_composed: Final = lru_cache(maxsize=32)(compose)
+"""The trees of the last texts, for missions share robots and pipes; a tree never changes."""
 
 
 def _decoded(content: bytes, name: str, expected: str) -> str:
