@@ -226,7 +226,7 @@ class Odometry:
         self._pipe_roll_rad = pipe.roll
         self.due_s, self._wait_s = 0.0, LOOK_EVERY_S
         self.reckoned: Reckoned | None = None
-        self._warned, self._placed_s, self._travel = False, nan, 0
+        self._warned, self._placed_s, self._travel = False, nan, nan
         self._take(robot)
         words = words_of(profile)
         errors = (0.0,) * len(words)

@@ -37,6 +37,7 @@ class World:
         self.heard_s = [0.0] * 6
         self.sent: float | None = None
         self.measures_speed = True
+        self.idle: tuple[int, ...] = ()
         self.found: list[float] = []
 
     def run(
@@ -71,7 +72,7 @@ class World:
                 self.heard_s[wheel.place] = self.now_s
             speed = speeds[wheel.place] if self.measures_speed else nan
             numbers[wheel.speed] = speed / wheel.metres_per_rad
-            values[wheel.slot] = duty
+            values[wheel.slot] = 0.0 if wheel.place in self.idle else duty
             heard_s[position] = self.heard_s[wheel.place]
         sensing = sensing._replace(
             numbers=tuple(numbers),
@@ -114,6 +115,11 @@ def test_a_wheel_that_slips_is_left_out_whichever_it_is(world: World) -> None:
 def test_a_dead_wheel_is_left_out(world: World) -> None:
     dead = [SPEED, SPEED, 0.0, 0.0, SPEED, SPEED]
     assert world.run(5.0, lambda _: dead) == pytest.approx(5 * SPEED, abs=0.006)
+
+
+def test_a_wheel_that_is_not_driven_counts_nothing(world: World) -> None:
+    world.idle = (0, 1)
+    assert world.run(5.0, lambda _: [0.0, 0.0, *[SPEED] * 4]) == pytest.approx(5 * SPEED, abs=0.006)
 
 
 @pytest.mark.parametrize("dead", [FRONT, (0, 1)])

@@ -335,3 +335,24 @@ def test_looks_are_seldom_while_no_wheel_is_driven_but_words_are_repeated(
     resting.look(0.0, [0.95, 0.85, 0.75], 0)
 
     assert resting.wait_s(0.1) == pytest.approx(wait_s)
+
+
+@pytest.mark.parametrize(
+    ("first_m", "wait_s"),
+    [
+        (0.5, 0.15),
+        (0.918, 0.12),  # 22 mm before the first word, and it would hold 10 mm earlier
+        (0.93, 0.05),
+        (1.102, 0.12),  # 22 mm beyond the second one
+        (1.168, 0.12),  # 22 mm before the first one is forgotten
+        (1.532, 0.12),  # 22 mm beyond where the last one is
+        (2.0, 0.15),
+    ],
+)
+def test_the_next_look_at_driven_wheels_is_before_one_can_be_where_a_word_begins_or_ends(
+    first_m: float, wait_s: float
+) -> None:
+    driven = detector()
+    driven.look(0.0, [first_m - length for length in LENGTHS], 1)
+
+    assert driven.wait_s(0.1) == pytest.approx(wait_s)
