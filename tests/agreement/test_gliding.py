@@ -48,6 +48,12 @@ def test_most_frames_are_taken_for_the_engine() -> None:
     assert taken > 1750  # of 1860
 
 
+def test_most_frames_are_taken_while_a_report_from_outside_counts() -> None:
+    taken = assert_the_same(Order("mitre_bend", detector="odometry"))
+
+    assert taken > 1800  # of 1920
+
+
 @pytest.mark.parametrize(("mission", "most"), [
     ("turn_left", 1150), ("turn_right", 1150),  # of 1340
 ])  # fmt: skip

@@ -29,8 +29,9 @@ K_BEGIN, K_END, K_HOLDS, K_BOARDS = range(4)
 P_ANGLE, P_TARGET, P_GAIN, P_THRESHOLD, P_LEAST, P_LIMIT, P_RESOLUTION, P_SENT = range(8)
 
 # Entries of `watch`; see `watch.Watch`: when time stops, from when on no frame is quiet, when the
-# engine must be called, and the next deadline without the detector's word.
-A_UNTIL_S, A_FRAMES_S, A_ALARM_S, A_DEADLINE_S = range(4)
+# engine must be called, the next deadline without the detector's word, and until when a report from
+# outside counts.
+A_UNTIL_S, A_FRAMES_S, A_ALARM_S, A_DEADLINE_S, A_OUTSIDE_S = range(5)
 
 # Entries of `clock`: time, cycles, the time that the surroundings go by, when silent boards were
 # looked for, when they will be next, until when the detector's word is valid.

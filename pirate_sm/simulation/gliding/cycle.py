@@ -34,7 +34,7 @@ def _listens(
     heard_s = signals[count : count + boards.shape[0]]
     if not may_listen(now_s, heard_s, robot, watch, ticks, met):
         return False
-    if not looks_round(now_s, signals[:count], posture):
+    if not looks_round(now_s, signals[:count], watch, posture):
         return False
     listen(now_s, 0.0, robot, watch, clock, ticks, met)
     return True
@@ -57,7 +57,7 @@ def _repeats(
     now_s, made = looker[col.L_DUE_S], looker[col.L_LOOKS]
     if not (may_repeat(looker, watch, clock, ticks, met) and look(arcs, sees)):
         return False
-    if not looks_round(now_s, signals[: origin.shape[0]], posture):
+    if not looks_round(now_s, signals[: origin.shape[0]], watch, posture):
         looker[col.L_DUE_S], looker[col.L_LOOKS] = now_s, made  # the engine hears the word
         return False
     repeat(now_s, looker, watch, clock, ticks, met)

@@ -106,16 +106,19 @@ def _copy(some: Floats, to: Floats) -> None:
 
 
 @compiled
-def looks_round(now_s: float, numbers: Floats, posture: Posture) -> bool:
+def looks_round(now_s: float, numbers: Floats, watch: Floats, posture: Posture) -> bool:
     """Survey the pipe if that is due; return whether there is nothing to report."""
     chain, parts, imu, memory = posture
     if now_s < memory[0, _DUE_S]:
         return True
+    if now_s >= watch[col.A_OUTSIDE_S] - col.TOLERANCE_S:
+        return False
     _copy(memory[0], memory[1])
     survey(now_s, numbers, chain, parts, imu, memory[1])
     if is_news(memory[1]):
         return False
     _copy(memory[1], memory[0])
+    memory[0, _DUE_S] = min(memory[0, _DUE_S], watch[col.A_OUTSIDE_S])
     return True
 
 
@@ -161,7 +164,7 @@ def take_frame(
     quiet = quiet and holds_as_before(position, conditions, code, numbers, origin, stack)
     if listens and not may_listen(now_s, fresh[count:heard_end], robot, watch, ticks, met):
         return False
-    if not (quiet and looks_round(now_s, numbers, posture)):
+    if not (quiet and looks_round(now_s, numbers, watch, posture)):
         return False
     if listens:
         listen(now_s, 1.0, robot, watch, clock, ticks, met)

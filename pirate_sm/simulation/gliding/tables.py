@@ -241,9 +241,7 @@ class SurveyTables:
                 self._robot, surveyed, watch.held, watch.in_bend, watch.word
             )
             self._last = surveyed
-        # A report from outside replaces the robot's own for a time, which the engine sees to.
-        self._due_s = surveyed.due_s if surveyed.outside_until_s == -inf else inf
-        own[surveyor.DUE_S] = self._due_s
+        own[surveyor.DUE_S] = self._due_s = surveyed.due_s
         own[surveyor.IN_BEND], own[surveyor.WORD] = watch.in_bend, watch.word is not None
         self._of = watch
 
@@ -309,7 +307,7 @@ class WatchTables:
         self.conditions: Ints = np.zeros((0, 4), dtype=np.int64)
         self.origin: Floats = np.full(numbers, np.nan)
         self.duties: Floats = np.zeros((0, 8))
-        self.watch: Floats = np.zeros(4)
+        self.watch: Floats = np.zeros(5)
         self._rules: dict[int, tuple[tuple[Condition, ...], Ints | None]] = {}
         self._of: Watch | None = None
         self._possible = False
@@ -331,6 +329,7 @@ class WatchTables:
         self.watch[col.A_FRAMES_S] = watch.frames_until_s - col.TOLERANCE_S
         self.watch[col.A_ALARM_S] = watch.alarm_s
         self.watch[col.A_DEADLINE_S] = watch.deadline_s
+        self.watch[col.A_OUTSIDE_S] = watch.surveyed.merged_until_s
         if (
             before is None
             or watch.rules is not before.rules

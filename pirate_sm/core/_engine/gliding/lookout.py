@@ -358,8 +358,9 @@ def _is_settled(robot: RobotSpec, surveyed: Surveyed, word: str | None, *, in_be
     """Return whether a survey without a step of the diameter finds the same joint as the last."""
     before = surveyed.joint
     around, joint = joint_around(robot, before, word, in_bend, nan)
-    inside = surveyed.outside_until_s == -inf
-    return inside and around == before and joint == surveyed.reported.joint
+    if surveyed.merged_until_s < inf:
+        joint = surveyed.outside.joint or joint
+    return around == before and joint == surveyed.reported.joint
 
 
 def _calm(state: EngineState) -> bool:

@@ -148,6 +148,11 @@ class Surveyed(NamedTuple):
     joint: Around = Around()
     outside: Environment = NOTHING_AROUND
 
+    @property
+    def merged_until_s(self) -> float:
+        """Until when a report from outside counts that the last survey has met; else infinite."""
+        return self.outside_until_s if self.due_s <= self.outside_until_s else inf
+
 
 def nothing_surveyed(*, nominal: bool) -> Surveyed:
     """Return the initial memory; without sensors (``nominal``) the survey is never due."""
