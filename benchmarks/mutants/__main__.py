@@ -58,7 +58,10 @@ PACKAGES = {
         f"pirate_sm/lab/campaign/{name}.py"
         for name in ("intervals", "results", "tally", "watched_run")
     ),
-    "places": ("pirate_sm/robot/detectors/word_timing.py", "pirate_sm/core/_geometry/route.py"),
+    "places": (
+        *(f"pirate_sm/robot/detectors/{name}.py" for name in ("place_filter", "word_timing")),
+        "pirate_sm/core/_geometry/route.py",
+    ),
 }
 
 _QUICK = 200

@@ -159,8 +159,8 @@ class Trail(NamedTuple):
         return Stood(tuple(places_m), InSpace(tuple(z_m), tuple(rolls_rad)))
 
 
-Look: TypeAlias = tuple[float, tuple[float, ...]]
-"""A time, and where each wheel was along the pipe."""
+Look: TypeAlias = tuple[float, ...]
+"""A time, then where each wheel was along the pipe."""
 
 
 class WordWatch(NamedTuple):

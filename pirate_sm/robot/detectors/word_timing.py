@@ -6,11 +6,19 @@ import math
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from math import inf, isnan, nan
+from math import inf, nan
 
 from pirate_sm.core.events import DetectorWord, Look, WordWatch
 from pirate_sm.core.geometry import Bend
 from pirate_sm.core.profile import Profile
+from pirate_sm.robot.detectors.place_filter import (
+    beyond_m,
+    line_of,
+    median_of,
+    place_of,
+    slope_of,
+    word_at,
+)
 
 # --- places ---------------------------------------------------------------------------------------
 
@@ -27,7 +35,7 @@ class Tracker:
     """Remembers the positions of the wheels in the last ``WINDOW_S``."""
 
     def __init__(self) -> None:
-        self._seen: deque[tuple[float, tuple[float, ...]]] = deque()
+        self._seen: deque[Look] = deque()
         self._driven = False
         self._changed_s = -inf
 
@@ -55,13 +63,13 @@ class Tracker:
         seen_s = time_s if seen_s is None else seen_s
         if places_m is None or seen_s < self._changed_s:
             return
-        self._seen.append((seen_s, tuple(places_m)))
+        self._seen.append((seen_s, *places_m))
         while self._seen[0][0] < seen_s - WINDOW_S:
             self._seen.popleft()
 
     @property
-    def seen(self) -> Sequence[tuple[float, tuple[float, ...]]]:
-        """Return times and positions in the window."""
+    def seen(self) -> Sequence[Look]:
+        """Return the looks in the window."""
         return self._seen
 
     @property
@@ -72,21 +80,14 @@ class Tracker:
     def place(self, wheel: int) -> float:
         """Return the filtered position of a wheel now, m; NaN if its last position is unknown.
 
-        A driven wheel is on the line through its recent positions, whose slope is the median of
-        slopes (Theil and Sen, over pairs half the window apart). From the last position on it moves
-        as most wheels do: along the pipe a wheel that cuts a corner goes faster for a moment. A
-        wheel that is not driven stands at the median of its positions, because it does not move by
-        itself.
+        After the last look a driven wheel moves as most wheels do: along the pipe a wheel that cuts
+        a corner goes faster for a moment.
         """
-        if not self._fresh or isnan(self._seen[-1][1][wheel]):
+        if not self._fresh:
             return nan
-        latest_s = self._seen[-1][0]
-        seen = self._of(wheel)
-        slope = self._slope(seen) if self._driven else 0.0
-        place_m = _median([place + slope * (latest_s - at) for at, place in seen])
-        if not self._driven or latest_s == self._now_s:
-            return place_m
-        return place_m + self._speed() * (self._now_s - latest_s)
+        place_m = place_of(wheel, self._driven, len(self._seen), self._seen, self._work)
+        late_s = self._now_s - self._seen[-1][0]
+        return place_m + self._speed() * late_s if self._driven and late_s else place_m
 
     def speed(self) -> float:
         """Return the speed of the robot along the pipe in the window, m/s, positive onwards.
@@ -99,27 +100,17 @@ class Tracker:
     def _fresh(self) -> bool:
         return bool(self._seen) and self._seen[-1][0] >= self._now_s - _OLDEST_S
 
-    def _of(self, wheel: int) -> list[tuple[float, float]]:
-        return [(at, places[wheel]) for at, places in self._seen if not isnan(places[wheel])]
+    @property
+    def _work(self) -> list[list[float]]:
+        return [[0.0] * len(self._seen) for _ in range(3)]
 
     def _speed(self) -> float:
-        lines = [self._of(wheel) for wheel in range(len(self._seen[-1][1]))]
-        return _median([self._slope(line) for line in lines if len(line) > 1])
-
-    @staticmethod
-    def _slope(seen: Sequence[tuple[float, float]]) -> float:
-        pairs = zip(seen, seen[len(seen) // 2 :], strict=False)
-        return _median([(b - a) / (tb - ta) for (ta, a), (tb, b) in pairs if tb > ta])
-
-
-def _median(values: list[float]) -> float:
-    """Return the median; 0 for no values."""
-    values.sort()
-    count = len(values)
-    if not count:
-        return 0.0
-    middle = count // 2
-    return values[middle] if count % 2 else (values[middle - 1] + values[middle]) / 2
+        work, slopes = self._work, []
+        for wheel in range(len(self._seen[0]) - 1):
+            known = line_of(wheel, len(self._seen), self._seen, work)
+            if known > 1:
+                slopes.append(slope_of(known, work))
+        return median_of(slopes, len(slopes))
 
 
 # --- words ----------------------------------------------------------------------------------------
@@ -245,13 +236,13 @@ class WordDetector:
         self._repeater = Repeater(valid_for_s)
         self._tracker = tracker or Tracker()
         self._direction = 0
-        self._ways_m: list[list[float]] = []
-        self._word = ""
+        self._places_m: list[float] = []
+        self._number = -1
 
     @property
     def due(self) -> str:
         """Return the word whose wheel is where it says, whether it may be reported or not."""
-        return self._word
+        return self._words[self._number][0].name if self._number >= 0 else ""
 
     def look(
         self,
@@ -271,11 +262,15 @@ class WordDetector:
         """
         self.see(time_s, places_m, travel, time_s)
         if travel and travel != self._direction:
-            self._direction, self._word = travel, ""
+            self._direction, self._number = travel, -1
             self._repeater.say("", time_s)  # what follows is a new report
-        self._ways_m = self._passed_m() if self._direction else []
-        self._word = self._holding()
-        return self._repeater.say("" if self._word in barred else self._word, time_s)
+        points = self._points[self._direction > 0]
+        self._places_m = [self._tracker.place(each) for each, _ in points if self._direction]
+        self._number = word_at(
+            *(self._number, self._direction, self._places_m, points, self._bends),
+            *(_SLACK_M, _FORGOTTEN_M),
+        )
+        return self._repeater.say("" if self.due in barred else self.due, time_s)
 
     def watch(
         self, places_m: Callable[[], Sequence[float]], due_s: float, travel: int
@@ -288,10 +283,9 @@ class WordDetector:
             travel: As for :meth:`look`.
         """
         driven, direction = travel != 0, self._direction
-        said = self._repeater.silent(self._word)
+        said = self._repeater.silent(self.due)
         if driven != self._tracker.driven or (driven and travel != direction) or said is None:
             return None
-        names = [word.name for word, _ in self._words]
         return WordWatch(
             places_m,
             due_s,
@@ -304,8 +298,8 @@ class WordDetector:
             self._bends,
             _SLACK_M,
             _FORGOTTEN_M,
-            names.index(self._word) if self._word else -1,
-            self._word,
+            self._number,
+            self.due,
             self._repeater.valid_for_s,
             *said,
         )
@@ -327,15 +321,17 @@ class WordDetector:
 
     def _to_points_m(self) -> Iterator[float]:
         """Yield how far wheels are beyond each point where a word begins or ends, m."""
-        for ways_m in self._ways_m:
-            for passed_m in ways_m:
-                yield from (passed_m, passed_m - _FORGOTTEN_M)
+        direction, points = self._direction, self._points[self._direction > 0]
+        for bend in range(len(self._bends)):
+            for number in range(len(points)):
+                way_m = beyond_m(number, bend, direction, self._places_m, points, self._bends)
+                yield from (way_m, way_m - _FORGOTTEN_M)
 
     def relieve(self, looks: Sequence[Look], said_s: float | None) -> None:
         """Take looks that others have made; at most the word was repeated, last at ``said_s``."""
         if said_s is not None:
             self._repeater.reported_s = said_s
-        for time_s, places_m in looks:
+        for time_s, *places_m in looks:
             self._tracker.see(time_s, places_m, driven=self._tracker.driven)
 
     def see(
@@ -343,28 +339,3 @@ class WordDetector:
     ) -> None:
         """Take in positions of the wheels as they were at ``seen_s``; else as :meth:`look`."""
         self._tracker.see(time_s, places_m, driven=travel != 0, seen_s=seen_s)
-
-    def _passed_m(self) -> list[list[float]]:
-        """Return, by bend and word, how far its wheel is beyond the point where it begins, m."""
-        points = self._points[self._direction > 0]
-        places_m = [self._tracker.place(wheel) for wheel, _ in points]
-        return [
-            [
-                self._direction * (place_m - crossing)
-                + off_m
-                + (reach if number == len(points) - 1 else -reach)
-                for number, (place_m, (_, off_m)) in enumerate(zip(places_m, points, strict=True))
-            ]
-            for crossing, reach in self._bends
-        ]
-
-    def _holding(self) -> str:
-        for ways_m in self._ways_m:
-            for (word, _), passed_m in zip(self._words, ways_m, strict=True):  # the farthest first
-                if math.isnan(passed_m):
-                    return ""
-                if passed_m >= (-_SLACK_M if word.name == self._word else 0.0):
-                    if passed_m < _FORGOTTEN_M:
-                        return word.name
-                    break
-        return ""

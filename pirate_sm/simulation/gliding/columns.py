@@ -73,8 +73,8 @@ TICK_COLUMNS = 3
 ) = range(13)  # fmt: skip
 LOOKER_ENTRIES = 13
 
-# Columns of `points`: the wheel, and what is added to how far it is beyond a crossing.
-O_WHEEL, O_MORE_M = range(2)
+# The column of `points` with the wheel.
+O_WHEEL = 0
 
 
 # --- groups of arrays ----------------------------------------------------------------------------

@@ -1,79 +1,30 @@
-"""Look for a detector in compiled code, as long as it has nothing new to say.
-
-The same operations in the same order give the same bits as
-:class:`pirate_sm.robot.detectors.word_timing.WordDetector` and
-:class:`pirate_sm.robot.detectors.word_timing.Tracker`.
-"""
+"""Look for a detector in compiled code, as long as it has nothing new to say."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from pirate_sm.robot.detectors import place_filter
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding.columns import Looker
-from pirate_sm.simulation.machine_code import compiled
+from pirate_sm.simulation.machine_code import compiled, compiled_module
 
-
-@compiled
-def median_of(values: Floats, count: int) -> float:
-    """Return the median of the first values, which are sorted; 0 for none."""
-    for i in range(1, count):
-        value = values[i]
-        k = i
-        while k > 0 and values[k - 1] > value:
-            values[k] = values[k - 1]
-            k -= 1
-        values[k] = value
-    if count == 0:
-        return 0.0
-    middle = count // 2
-    if count % 2 == 1:
-        return float(values[middle])
-    return float((values[middle - 1] + values[middle]) / 2)
-
-
-@compiled
-def _place(column: int, count: int, driven: bool, seen: Floats, values: Floats) -> float:
-    """Return the filtered position of a wheel at the time of the last look."""
-    slope = 0.0
-    if driven and count >= 2:
-        half = count // 2
-        pairs = 0
-        for i in range(count - half):
-            passed_s = seen[i + half, 0] - seen[i, 0]
-            if seen[i + half, 0] > seen[i, 0]:
-                values[pairs] = (seen[i + half, column] - seen[i, column]) / passed_s
-                pairs += 1
-        slope = median_of(values, pairs)
-    latest_s = seen[count - 1, 0]
-    for i in range(count):
-        values[i] = seen[i, column] + slope * (latest_s - seen[i, 0])
-    return median_of(values, count)
+_filter = compiled_module(place_filter)
+_place_of, _word_at = _filter["place_of"], _filter["word_at"]
 
 
 @compiled
 def _word(
-    count: int, looker: Floats, points: Floats, bends: Floats, seen: Floats, values: Floats
+    count: int, looker: Floats, points: Floats, bends: Floats, seen: Floats, work: Floats
 ) -> int:
-    """Return the index of the word that holds; -1 for none, -2 if a position is unknown."""
-    direction = looker[col.L_DIRECTION]
-    if direction == 0.0:
-        return -1
-    driven = looker[col.L_DRIVEN] != 0.0
-    for k in range(bends.shape[0]):
-        for p in range(points.shape[0]):
-            place_m = _place(int(points[p, col.O_WHEEL]) + 1, count, driven, seen, values)
-            passed_m = direction * (place_m - bends[k, 0])
-            passed_m += points[p, col.O_MORE_M]
-            passed_m += bends[k, 1] if p == points.shape[0] - 1 else -bends[k, 1]
-            if np.isnan(passed_m):
-                return -2
-            if passed_m >= (-looker[col.L_SLACK_M] if p == looker[col.L_WORD] else 0.0):
-                if passed_m < looker[col.L_FORGOTTEN_M]:
-                    return p
-                break
-    return -1
+    """Return the number of the word that holds; -1 for none."""
+    direction, driven, places_m = looker[col.L_DIRECTION], looker[col.L_DRIVEN] != 0.0, work[3]
+    for k in range(points.shape[0]):
+        places_m[k] = _place_of(int(points[k, col.O_WHEEL]), driven, count, seen, work)
+    before, slack_m = int(looker[col.L_WORD]), looker[col.L_SLACK_M]
+    forgotten_m = looker[col.L_FORGOTTEN_M]
+    return int(_word_at(before, direction, places_m, points, bends, slack_m, forgotten_m))
 
 
 @compiled
@@ -112,7 +63,7 @@ def look(arcs: Floats, sees: Looker) -> bool:
 
     If there is, the look has not been made. `arcs` has the position of each wheel along the pipe.
     """
-    looker, points, bends, seen, looks, values = sees
+    looker, points, bends, seen, looks, work = sees
     now_s = looker[col.L_DUE_S]
     count = int(looker[col.L_SEEN])
     made = int(looker[col.L_LOOKS])
@@ -131,7 +82,7 @@ def look(arcs: Floats, sees: Looker) -> bool:
             seen[i - first, column] = seen[i, column]
         seen[count - first, column] = looks[made, column]
     count -= first
-    if _word(count + 1, looker, points, bends, seen, values) != int(looker[col.L_WORD]):
+    if _word(count + 1, looker, points, bends, seen, work) != int(looker[col.L_WORD]):
         return False
     looker[col.L_SEEN] = count + 1
     looker[col.L_LOOKS] = made + 1

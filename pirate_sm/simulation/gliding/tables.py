@@ -51,7 +51,7 @@ class LookTables:
         self._looker: Floats = np.zeros(col.LOOKER_ENTRIES)
         self._seen: Floats = np.zeros((_MOST_SEEN, wheels + 1))
         self._looks: Floats = np.zeros((_MOST_LOOKS, wheels + 1))
-        self._values: Floats = np.zeros(_MOST_SEEN)
+        self._work: Floats = np.zeros((4, _MOST_SEEN))
         self._points: Floats = np.zeros((0, 2))
         self._bends: Floats = np.zeros((0, 2))
         self._of: tuple[object, object] = ((), ())
@@ -61,7 +61,7 @@ class LookTables:
         """Return the arrays, in the order of the arguments of `looking.look`."""
         return (
             *(self._looker, self._points, self._bends),
-            *(self._seen, self._looks, self._values),
+            *(self._seen, self._looks, self._work),
         )
 
     def take(self, words: WordWatch | None, watch: Watch) -> bool:
@@ -76,7 +76,7 @@ class LookTables:
         if words is None:
             return True
         count = len(words.seen)
-        if count >= _MOST_SEEN:
+        if max(count, len(words.points)) >= _MOST_SEEN:
             return False
         hears = words.name == watch.word and watch.listening_s < inf
         self._looker[:] = (
@@ -85,7 +85,7 @@ class LookTables:
             *(words.valid_for_s if hears else 0.0, count, 0),
         )
         if count:
-            self._seen[:count] = [(at, *places) for at, places in words.seen]
+            self._seen[:count] = words.seen
         if self._of != (words.points, words.bends):
             self._of = words.points, words.bends
             self._points = np.array(words.points, dtype=np.float64).reshape(-1, 2)
@@ -95,8 +95,7 @@ class LookTables:
     def made(self) -> tuple[list[Look], float]:
         """Return the looks that have been made, and when the next one is due."""
         count = int(self._looker[col.L_LOOKS])
-        rows = self._looks[:count].tolist()
-        return [(row[0], tuple(row[1:])) for row in rows], float(self._looker[col.L_DUE_S])
+        return self._looks[:count].tolist(), float(self._looker[col.L_DUE_S])
 
 
 # --- the robot -----------------------------------------------------------------------------------

@@ -34,7 +34,7 @@ SCALARS = ("float", "int", "bool")
 GROUPS = {
     "Bars": "Floats1 Floats1 Floats2 Floats2 Floats2 Floats1 Floats1 Floats1 Ints1 int",
     "Electronics": "Floats2 Floats1 Words1 Floats1",
-    "Looker": "Floats1 Floats2 Floats2 Floats2 Floats2 Floats1",
+    "Looker": "Floats1 Floats2 Floats2 Floats2 Floats2 Floats2",
     "Place": "Floats1 Floats1 Floats1 Floats1",
     "Posture": "Floats2 Floats2 Ints1 Floats2",
     "RobotRows": "Ints2 Ints2 Ints1 Floats1",

@@ -112,7 +112,7 @@ def odometry(**options) -> Odometry:
     return Odometry(loaded.loaded_robot.profile, loaded.robot, loaded.pipe, **options)
 
 
-THROUGH = frozenset({"through"})
+PAST = frozenset({"past"})
 NOWHERE = ChainInSpace((), DRAWING, DRAWING)
 
 
@@ -132,17 +132,18 @@ def test_belief_in_a_passed_bend_ends_when_the_shape_contradicts_it_for_long(
     course: list[tuple[Shape, float]], doubted: list[int]
 ) -> None:
     companion = odometry()
-    companion._detector._word = "through"
+    companion._detector._number = 0
+    assert companion._detector.due == "past"
     looks = [Reckoned((), NOWHERE, odometer_m, 0, {}, 0.0, shape) for shape, odometer_m in course]
 
-    faults = [companion._doubt(THROUGH, each, []) for each in looks]
+    faults = [companion._doubt(PAST, each, []) for each in looks]
 
     assert [number for number, fault in enumerate(faults) if fault is not None] == doubted
     for number in doubted:
         fault = faults[number]
         assert fault is not None
         assert fault.code == "place.contradicted"
-        assert "odometry is where it would say 'through', but the robot does not fit" in (
+        assert "odometry is where it would say 'past', but the robot does not fit" in (
             fault.message
         )
     assert not any(companion._doubt(frozenset(), each, []) for each in looks)

@@ -93,7 +93,7 @@ def test_others_may_look_for_it_while_nothing_new_is_to_be_said(loaded: LoadedMi
     watch = sees.word_watch(state)
     assert watch is not None
     assert (watch.places_m(), watch.due_s) == (places, pytest.approx(0.05))
-    sees.relieve([(0.05, places)], 0.1, None)
+    sees.relieve([(0.05, *places)], 0.1, None)
     assert sees.due_s == 0.1
-    assert [at_s for at_s, _ in sees.word_watch(state).seen] == [0.0, 0.05]
+    assert [at_s for at_s, *_ in sees.word_watch(state).seen] == [0.0, 0.05]
     assert sees.word_watch(driven(loaded, "normal", -1)) is None

@@ -232,7 +232,7 @@ def test_what_it_knows_lets_others_look_for_it(
         0.05,
         0.4,
     )
-    assert list(watch.seen) == [(1.0, tuple(places))]
+    assert list(watch.seen) == [(1.0, *places)]
     assert (watch.driven, watch.direction, watch.bends) == (travel != 0, travel, (Bend(1.0),))
     assert (watch.slack_m, watch.forgotten_m) == (0.01, 0.25)
     assert watch[-5:] == word
@@ -276,7 +276,7 @@ def test_nobody_looks_for_it_while_the_word_that_holds_must_not_be_said() -> Non
 def test_looks_of_others_count_as_its_own(said_s: float | None, again: list[bool]) -> None:
     one = detector(valid_for_s=0.5)
     places = standing(one, 0.95)
-    looks = [(1.3, (0.98, 0.88, 0.78)), (1.6, (1.01, 0.91, 0.81))]
+    looks = [(1.3, 0.98, 0.88, 0.78), (1.6, 1.01, 0.91, 0.81)]
 
     one.relieve(looks, said_s)
 
