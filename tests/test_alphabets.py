@@ -101,12 +101,6 @@ ALPHABETS = {
         "NewSeenState(Frozen)",
         ("core/_loading/robot/seen_states.py",),
     ),
-    "derived signal": Alphabet(
-        "core/_model/robot/signals.py",
-        '| Annotated[SpeedOf, Tag("speed_of")]',
-        "NewOf(Frozen)",
-        ("core/_loading/robot/sensing.py", "core/_loading/robot/signals.py"),
-    ),
     "setpoint": Alphabet(
         "core/_model/robot/actuation.py",
         '| Literal["keep"]',
