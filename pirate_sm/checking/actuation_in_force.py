@@ -10,6 +10,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from math import inf
 from typing import NamedTuple
 
@@ -63,10 +64,20 @@ class InForce:
 
     def writes(self, at: Actuated, slot: int | None = None) -> Iterator[Write]:
         """Yield what all stages write, to one slot or to all."""
-        actuation = self.robot.controls[at.control].actuation
+        written = self._written[at.control]
         for region, state in enumerate(self.robot.table.configurations[at.configuration]):
-            for stage in actuation[region][state]:
-                yield from (write for write in stage if slot is None or write.slot == slot)
+            yield from written[region][state].get(slot, ())
+
+    @cached_property
+    def _written(self) -> Sequence[Sequence[Mapping[str, Mapping[int | None, Sequence[Write]]]]]:
+        """Return what each state of each region writes, to each slot and to all (None)."""
+        return [
+            [
+                {state: _by_slot(stages) for state, stages in region.items()}
+                for region in control.actuation
+            ]
+            for control in self.robot.controls
+        ]
 
     def last_writes(self, at: Actuated) -> Iterator[Write]:
         """Yield what the last stage of each state writes."""
@@ -112,7 +123,7 @@ class InForce:
 
         A torque loop gives what it is asked for, so a criterion is met there by its own torque.
         """
-        spec, motor = self.robot.slots[slot], self._motor(slot)
+        spec, motor = self.robot.slots[slot], self._motors[slot]
         if motor.stall_torque is None:
             return inf
         most = 0.0
@@ -136,7 +147,7 @@ class InForce:
         for region in self.robot.controls[control].actuation:
             for stages in region.values():
                 for write in (write for stage in stages for write in stage if write.how == "bear"):
-                    motor = self._motor(write.slot)
+                    motor = self._motors[write.slot]
                     if motor.stiffness and motor.no_load_speed:
                         wound_rad = abs(write.value) / motor.stiffness
                         least_s = max(least_s, wound_rad / motor.no_load_speed)
@@ -144,7 +155,7 @@ class InForce:
 
     def most_rad_s(self, at: Actuated, slot: int) -> float:
         """Return the largest speed that a wheel comes to by itself, rad/s; infinite if unknown."""
-        no_load = self._motor(slot).no_load_speed or inf
+        no_load = self._motors[slot].no_load_speed or inf
         return max((_rad_s(write, no_load) for write in self.writes(at, slot)), default=0.0)
 
     def fastest_m_s(self, at: Actuated) -> float:
@@ -161,8 +172,18 @@ class InForce:
                     speeds.append(abs(write.value * wheel.metres_per_rad) if kept else inf)
         return max(speeds) * OVERSHOOT or inf
 
-    def _motor(self, slot: int) -> Motor:
-        return self.profile.motors[self.profile.slots[slot].motor]
+    @cached_property
+    def _motors(self) -> Sequence[Motor]:
+        return [self.profile.motors[slot.motor] for slot in self.profile.slots]
+
+
+def _by_slot(stages: Sequence[Sequence[Write]]) -> Mapping[int | None, Sequence[Write]]:
+    """Return the writes of all stages, by their slot and all together (None)."""
+    found = defaultdict[int | None, list[Write]](list)
+    for write in chain.from_iterable(stages):
+        found[write.slot].append(write)
+        found[None].append(write)
+    return found
 
 
 def _rad_s(write: Write, no_load: float) -> float:
@@ -205,10 +226,10 @@ def too_slow(force: InForce, done: CriterionSpec, led: Sequence[Actuated]) -> st
     The arguments are those of :func:`too_strong`.
     """
     for asked in done.asked(WheelTurning):
-        speeds = [force.most_rad_s(at, slot) for at in led for slot, _ in asked.wheels]
-        most = max(speeds, default=inf)
-        if most > asked.above:
+        driven = [(at, slot) for at in led for slot, _ in asked.wheels]
+        if not driven or any(force.most_rad_s(*each) > asked.above for each in driven):
             continue
+        most = max(force.most_rad_s(*each) for each in driven)
         if most == 0:
             return "no wheel is driven in the states that it leads to"
         there = under(force.robot, led[0].control)

@@ -126,7 +126,9 @@ def cases() -> list[Case]:
 
 
 def _cases(file: Path) -> Iterator[Case]:
-    content: dict[str, Any] = yaml.safe_load(file.read_text(encoding="utf-8"))
+    content: dict[str, Any] = yaml.load(
+        file.read_text(encoding="utf-8"), Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    )
     usual = {key: content[key] for key in ("base", "in") if key in content}
     for given in content["cases"]:
         other = given.get("base", "") not in {"", *ROBOTS}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import pytest
@@ -24,9 +25,13 @@ PAGES = {
     "campaign": ["campaigns.md"],
     "scene": ["demo.md"],
 }
-SCHEMAS = {kind: make() for kind, make in KINDS.items()}
 _CODE = re.compile(r"```.*?```|`[^`]+`", re.DOTALL)
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+@cache
+def schema(kind: str) -> dict[str, Any]:
+    return KINDS[kind]()
 
 
 def pages(kind: str) -> str:
@@ -36,7 +41,7 @@ def pages(kind: str) -> str:
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_documents_name_every_key(kind: str) -> None:
     written = {word for code in _CODE.findall(pages(kind)) for word in _WORD.findall(code)}
-    assert sorted(set(keys(SCHEMAS[kind])) - written) == []
+    assert sorted(set(keys(schema(kind))) - written) == []
 
 
 @pytest.mark.parametrize(
@@ -44,7 +49,7 @@ def test_the_documents_name_every_key(kind: str) -> None:
 )
 def test_the_documents_name_every_choice(kind: str) -> None:
     written = {word for code in _CODE.findall(pages(kind)) for word in _WORD.findall(code)}
-    choices = {str(each) for node in nodes(SCHEMAS[kind]) for each in node.get("enum", ())}
+    choices = {str(each) for node in nodes(schema(kind)) for each in node.get("enum", ())}
     words = {choice for choice in choices if _WORD.fullmatch(choice)}
     assert sorted(words - written) == []
 
@@ -54,7 +59,7 @@ def test_the_documents_name_every_choice(kind: str) -> None:
 )
 def test_every_key_in_a_table_of_the_documents_is_one(kind: str) -> None:
     page = (ROOT / "docs" / PAGES[kind][0]).read_text("utf-8")
-    known = set(keys(SCHEMAS[kind]))
+    known = set(keys(schema(kind)))
     assert [key for key in table_keys(page) if key not in known] == []
 
 
@@ -62,7 +67,7 @@ def test_every_key_in_a_table_of_the_documents_is_one(kind: str) -> None:
 def test_what_the_documents_call_needed_is_required(kind: str) -> None:
     text = (ROOT / "docs" / PAGES[kind][0]).read_text("utf-8")
     needed = {cells[0].strip("`") for cells in rows(text) if cells[-1] == "needed"}
-    assert needed == set(SCHEMAS[kind]["required"])
+    assert needed == set(schema(kind)["required"])
 
 
 def nodes(node: Any) -> Iterator[dict[str, Any]]:

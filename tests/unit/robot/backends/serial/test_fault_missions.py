@@ -251,10 +251,10 @@ def test_a_reset_while_the_mission_ends_is_waited_for(go: Go) -> None:
 # may still arrive: later resets than these cannot be noticed.
 @pytest.mark.parametrize("line", [{}, LOSSY], ids=["clean", "lossy"])
 def test_a_reset_just_before_the_port_is_closed_is_noticed(go: Go, line: dict[str, Any]) -> None:
-    closed_s = max(r.at_s for r in go(**line).bay.records if r.event == "closed")
+    closed_s = max(r.at_s for r in go(far="0.1 m", **line).bay.records if r.event == "closed")
 
     for before_s in (0.12, 0.15, 0.2, 0.3, 0.4, 0.5):
-        course = go(reset_at_s=(closed_s - before_s,), **line)
+        course = go(far="0.1 m", reset_at_s=(closed_s - before_s,), **line)
         happened = [r.event for r in course.bay.records if r.event in {"reset", "applied"}]
         assert happened[-1] == "applied", f"nothing is in force after a reset {before_s} s before"
         assert course.is_safe, before_s
