@@ -111,20 +111,17 @@ class Room:
 
 def _tubes(pieces: Sequence[Piece], wheel_m: float, loose: tuple[bool, bool]) -> tuple[_Tube, ...]:
     """Return the tubes of a run, which goes on without limit at ends where it meets nothing."""
-    last = len(pieces) - 1
-    found = []
-    for number, piece in enumerate(pieces):
+    tubes = []
+    for piece in pieces:
         # The outer wall goes on beyond a mitre by what its cut takes of the inner wall.
         share = 1.0 - wheel_m / (piece.diameter_m / 2)
         before_m, behind_m = (taken_m * share for taken_m in piece.taken_m)
-        found.append(
-            _Tube(
-                piece,
-                -inf if number == 0 and loose[0] else -before_m,
-                inf if number == last and loose[1] else piece.length_m + behind_m,
-            )
-        )
-    return tuple(found)
+        tubes.append(_Tube(piece, -before_m, piece.length_m + behind_m))
+    if loose[0]:
+        tubes[0] = tubes[0]._replace(least_m=-inf)
+    if loose[1]:
+        tubes[-1] = tubes[-1]._replace(most_m=inf)
+    return tuple(tubes)
 
 
 class _Arm(NamedTuple):
