@@ -231,6 +231,7 @@ def _wheel_traction(
     profile = signals.profile
     slot = profile.slots[wheel.slot]
     motor = profile.motors[slot.motor]
+    name, numbers = profile.body.wheels[wheel.place].name, signals.vocabulary.numbers
     own = WheelTraction(
         wheel.place,
         board.position if board else -1,
@@ -240,8 +241,20 @@ def _wheel_traction(
         wheel.metres_per_rad,
         motor.stall_torque or 0.0,
         motor.no_load_speed or inf,
+        slip_speed=signals.derived_by(kinds.SlipSpeedOf, slip_speed_of=name),
+        normal_force=signals.derived_by(kinds.NormalForceOf, normal_force_of=name),
+        friction_used=signals.derived_by(kinds.FrictionUsedOf, friction_used_of=name),
     )
-    return _with_targets(signals, own, profile.body.wheels[wheel.place].name, wanted)
+    for signal, derived in wanted.items():
+        at = numbers.index(signal)
+        match derived:
+            case kinds.SlipOf(slip_of=of, unknown_below=limit) if of == name:
+                own = own._replace(slip=at, unknown_below_m_s=limit)
+            case kinds.FrictionOf(friction_of=of, slip_above=above, steady=steady) if of == name:
+                own = own._replace(friction=at, slip_above_m_s=above, steady_s=steady)
+            case _:
+                pass
+    return own
 
 
 def _with_shared(
@@ -262,29 +275,6 @@ def _with_shared(
             case _:
                 pass
     return spec
-
-
-def _with_targets(
-    signals: Signals, wheel: WheelTraction, name: str, wanted: Mapping[str, kinds.TractionSignal]
-) -> WheelTraction:
-    """Return the wheel with the signals that are made of it."""
-    names = signals.vocabulary.numbers
-    for signal, derived in wanted.items():
-        target = names.index(signal)
-        match derived:
-            case kinds.SlipSpeedOf(slip_speed_of=of) if of == name:
-                wheel = wheel._replace(slip_speed=target)
-            case kinds.SlipOf(slip_of=of, unknown_below=limit) if of == name:
-                wheel = wheel._replace(slip=target, unknown_below_m_s=limit)
-            case kinds.NormalForceOf(normal_force_of=of) if of == name:
-                wheel = wheel._replace(normal_force=target)
-            case kinds.FrictionUsedOf(friction_used_of=of) if of == name:
-                wheel = wheel._replace(friction_used=target)
-            case kinds.FrictionOf(friction_of=of, slip_above=above, steady=steady) if of == name:
-                wheel = wheel._replace(friction=target, slip_above_m_s=above, steady_s=steady)
-            case _:
-                pass
-    return wheel
 
 
 def _measured_speed(signals: Signals, wanted: Mapping[str, kinds.TractionSignal]) -> str | None:
