@@ -51,7 +51,8 @@ from pirate_sm.lab.mapping.places import (
     Shape,
     Spot,
 )
-from pirate_sm.robot.detectors.word_timing import WINDOW_S, Word, words_of
+from pirate_sm.robot.detectors.place_filter import WINDOW_S
+from pirate_sm.robot.detectors.word_timing import Word, words_of
 from pirate_sm.running.recording.read.pieces import RecordedStep
 from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.running.recording.recorded_mission import recorded_robot_files, robot_as_recorded

@@ -17,6 +17,16 @@ from typing import TypeAlias
 Rows: TypeAlias = Sequence[Sequence[float]]
 Work: TypeAlias = Sequence[MutableSequence[float]]
 
+WINDOW_S = 0.4
+"""Time over which a position is filtered [decided]: 40 mm of travel at 0.1 m/s."""
+
+SLACK_M = 0.01
+"""A word stays valid until its wheel is this far before the point, so that noise does not switch it
+on and off."""
+
+FORGOTTEN_M = 0.25
+"""The last word of a bend ends this far beyond its point."""
+
 
 def median_of(values: MutableSequence[float], count: int) -> float:
     """Return the median of the first values, which are sorted; 0 for none."""
@@ -88,13 +98,7 @@ def beyond_m(
 
 
 def word_at(
-    before: int,
-    direction: float,
-    places_m: Sequence[float],
-    points: Rows,
-    bends: Rows,
-    slack_m: float,
-    forgotten_m: float,
+    before: int, direction: float, places_m: Sequence[float], points: Rows, bends: Rows
 ) -> int:
     """Return the number of the word that holds; -1 for none, or where a position is unknown.
 
@@ -104,8 +108,6 @@ def word_at(
         places_m: As for :func:`beyond_m`; so for ``points`` and ``bends``.
         points: The farthest first.
         bends: The bends.
-        slack_m: How far before its point a word stays.
-        forgotten_m: How far beyond its point a word ends.
     """
     if direction == 0:
         return -1
@@ -114,8 +116,8 @@ def word_at(
             beyond = beyond_m(number, bend, direction, places_m, points, bends)
             if isnan(beyond):
                 return -1
-            if beyond >= (-slack_m if number == before else 0.0):
-                if beyond < forgotten_m:
+            if beyond >= (-SLACK_M if number == before else 0.0):
+                if beyond < FORGOTTEN_M:
                     return number
                 break
     return -1

@@ -12,6 +12,9 @@ from pirate_sm.core.events import DetectorWord, Look, WordWatch
 from pirate_sm.core.geometry import Bend
 from pirate_sm.core.profile import Profile
 from pirate_sm.robot.detectors.place_filter import (
+    FORGOTTEN_M,
+    SLACK_M,
+    WINDOW_S,
     beyond_m,
     line_of,
     median_of,
@@ -21,10 +24,6 @@ from pirate_sm.robot.detectors.place_filter import (
 )
 
 # --- places ---------------------------------------------------------------------------------------
-
-
-WINDOW_S = 0.4
-"""Time over which a position is filtered [decided]: 40 mm of travel at 0.1 m/s."""
 
 
 _OLDEST_S = 0.6
@@ -116,11 +115,6 @@ class Tracker:
 # --- words ----------------------------------------------------------------------------------------
 
 
-# A word stays valid until its wheel is this far before the point, so that noise does not switch it
-# on and off.
-_SLACK_M = 0.01
-# The last word of a bend ends this far beyond its point.
-_FORGOTTEN_M = 0.25
 REPEAT_SHARE = 0.5
 """After this share of its validity a word that still holds is repeated."""
 
@@ -266,10 +260,7 @@ class WordDetector:
             self._repeater.say("", time_s)  # what follows is a new report
         points = self._points[self._direction > 0]
         self._places_m = [self._tracker.place(each) for each, _ in points if self._direction]
-        self._number = word_at(
-            *(self._number, self._direction, self._places_m, points, self._bends),
-            *(_SLACK_M, _FORGOTTEN_M),
-        )
+        self._number = word_at(self._number, self._direction, self._places_m, points, self._bends)
         return self._repeater.say("" if self.due in barred else self.due, time_s)
 
     def watch(
@@ -290,14 +281,11 @@ class WordDetector:
             places_m,
             due_s,
             LOOK_EVERY_S,
-            WINDOW_S,
             self._tracker.seen,
             driven,
             direction,
             self._points[direction > 0],
             self._bends,
-            _SLACK_M,
-            _FORGOTTEN_M,
             self._number,
             self.due,
             self._repeater.valid_for_s,
@@ -315,7 +303,7 @@ class WordDetector:
         """
         seldom_s = min(SELDOM_S, REPEAT_SHARE * self._repeater.valid_for_s)
         if self._tracker.driven:
-            near_m = min(map(abs, self._to_points_m()), default=math.inf) - _SLACK_M
+            near_m = min(map(abs, self._to_points_m()), default=math.inf) - SLACK_M
             seldom_s = min(seldom_s, near_m / top_m_s)
         return max(LOOK_EVERY_S, seldom_s)
 
@@ -325,7 +313,7 @@ class WordDetector:
         for bend in range(len(self._bends)):
             for number in range(len(points)):
                 way_m = beyond_m(number, bend, direction, self._places_m, points, self._bends)
-                yield from (way_m, way_m - _FORGOTTEN_M)
+                yield from (way_m, way_m - FORGOTTEN_M)
 
     def relieve(self, looks: Sequence[Look], said_s: float | None) -> None:
         """Take looks that others have made; at most the word was repeated, last at ``said_s``."""

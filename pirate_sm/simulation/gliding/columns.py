@@ -62,16 +62,13 @@ N_FRAMES, N_WAITING, N_BOARD, N_SURROUNDINGS, N_TICKS = range(5)
 J_AT_S, J_WAKE_S, J_OF_FRAME = range(3)
 TICK_COLUMNS = 3
 
-# Entries of `looker`, what a detector by positions knows: when it looks and how often, over which
-# time it filters, whether wheels are driven and which way, its limits, the present word, when it
-# was said, after which time it is said again and how long it is valid (0: the engine must hear
-# it); see `core/_model/whereabouts.py`. Then how many looks of the
-# window are in `seen`, and how many have been made.
-(
-    L_DUE_S, L_EVERY_S, L_WINDOW_S, L_DRIVEN, L_DIRECTION, L_SLACK_M, L_FORGOTTEN_M, L_WORD,
-    L_SAID_S, L_REPEAT_S, L_VALID_S, L_SEEN, L_LOOKS,
-) = range(13)  # fmt: skip
-LOOKER_ENTRIES = 13
+# Entries of `looker`, what a detector by positions knows: when it looks and how often, whether
+# wheels are driven and which way, the present word, when it was said, after which time it is said
+# again and how long it is valid (0: the engine must hear it); see `core/_model/whereabouts.py`.
+# Then how many looks of the window are in `seen`, and how many have been made.
+L_DUE_S, L_EVERY_S, L_DRIVEN, L_DIRECTION, L_WORD = range(5)
+L_SAID_S, L_REPEAT_S, L_VALID_S, L_SEEN, L_LOOKS = range(5, 10)
+LOOKER_ENTRIES = 10
 
 # The column of `points` with the wheel.
 O_WHEEL = 0

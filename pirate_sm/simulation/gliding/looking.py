@@ -22,9 +22,7 @@ def _word(
     direction, driven, places_m = looker[col.L_DIRECTION], looker[col.L_DRIVEN] != 0.0, work[3]
     for k in range(points.shape[0]):
         places_m[k] = _place_of(int(points[k, col.O_WHEEL]), driven, count, seen, work)
-    before, slack_m = int(looker[col.L_WORD]), looker[col.L_SLACK_M]
-    forgotten_m = looker[col.L_FORGOTTEN_M]
-    return int(_word_at(before, direction, places_m, points, bends, slack_m, forgotten_m))
+    return int(_word_at(int(looker[col.L_WORD]), direction, places_m, points, bends))
 
 
 @compiled
@@ -70,7 +68,7 @@ def look(arcs: Floats, sees: Looker) -> bool:
     if made == looks.shape[0]:
         return False
     first = 0
-    while first < count and seen[first, 0] < now_s - looker[col.L_WINDOW_S]:
+    while first < count and seen[first, 0] < now_s - place_filter.WINDOW_S:
         first += 1
     if first == 0 and count == seen.shape[0]:
         return False

@@ -80,9 +80,8 @@ class LookTables:
             return False
         hears = words.name == watch.word and watch.listening_s < inf
         self._looker[:] = (
-            *(words.due_s, words.every_s, words.window_s, words.driven, words.direction),
-            *(words.slack_m, words.forgotten_m, words.word, words.said_s, words.repeat_s),
-            *(words.valid_for_s if hears else 0.0, count, 0),
+            *(words.due_s, words.every_s, words.driven, words.direction, words.word),
+            *(words.said_s, words.repeat_s, words.valid_for_s if hears else 0.0, count, 0),
         )
         if count:
             self._seen[:count] = words.seen
