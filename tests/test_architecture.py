@@ -158,9 +158,8 @@ _ONE_IDEA = {"Elbow", "Mitre", "Reducer", "Straight"}
 
 
 def test_a_class_name_stands_for_one_idea() -> None:
-    trees = map(parsed, TEXTS.values())
-    classes = (each for tree in trees for each in ast.walk(tree) if isinstance(each, ast.ClassDef))
-    counts = Counter(each.name for each in classes if not each.name.startswith("_"))
+    heads = re.compile(r"^ *class ([A-Za-z]\w*)[:(\[]", re.MULTILINE)
+    counts = Counter(name for text in TEXTS.values() for name in heads.findall(text))
 
     assert {name for name, count in counts.items() if count > 1} == _ONE_IDEA
 
