@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from copyreg import pickle
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from hashlib import sha256
 from math import inf
 from pathlib import Path
@@ -312,6 +313,13 @@ def holding_in(robot: RobotSpec, profile: Profile, pipe: Pipe | None) -> RobotSp
                 holding_nm(weight_n * slope, friction, leg_m, bore_m - 2 * body.wheel_radius)
                 for slope, bore_m in _steep_places(pipe, 2 * body.wheel_radius)
             )
+    return _with_torques(robot, tuple(least_nm.items()))
+
+
+@lru_cache(maxsize=16)  # most missions are for the same few pipes
+def _with_torques(robot: RobotSpec, torques: tuple[tuple[int, float], ...]) -> RobotSpec:
+    """Return the robot with these torques as the smallest of its clamps, by number indexes."""
+    least_nm = dict(torques)
     commands = tuple(
         replace(
             command,
