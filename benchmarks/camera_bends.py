@@ -23,7 +23,7 @@ from tempfile import TemporaryDirectory
 from benchmarks.campaign import run_all
 from pirate_sm.core import library
 from pirate_sm.core.loading import load_robot
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.lab.campaign.watched_run import SHORT_M, Outcome
 from pirate_sm.running.wiring import Order
 

@@ -29,8 +29,7 @@ from pirate_sm.api import run
 from pirate_sm.core.documents import Problems, parse_document
 from pirate_sm.core.geometry import Route, RouteJoint
 from pirate_sm.core.loading import check_pipe, validate
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Body
+from pirate_sm.core.models import Body, Pipe
 from pirate_sm.lab.mapping.mapper import mapped
 from pirate_sm.lab.mapping.pipe_text import pipe_text
 from pirate_sm.running.recording.read.places import recorded_places

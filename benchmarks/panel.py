@@ -34,8 +34,9 @@ from benchmarks.console import (
     switching_often,
     wait,
 )
+from pirate_sm.core.errors import ExitCode
 from pirate_sm.robot.control_panel.panel_reader import PanelCompanion
-from pirate_sm.running.runtime.ending import INTERRUPTED, Stop, StopRequests
+from pirate_sm.running.runtime.ending import Stop, StopRequests
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, load, prepare
 from pirate_sm.views.console.app import Console
@@ -125,7 +126,7 @@ def _in_run(played: Played, after_s: float) -> float:
     panel = prepared.panel
     assert panel is not None
     pressed: list[float] = []
-    with panel.reader(lambda reason: requests.ask(Stop(reason, INTERRUPTED))) as reader:
+    with panel.reader(lambda reason: requests.ask(Stop(reason, ExitCode.INTERRUPTED))) as reader:
         robot = prepared.loaded.robot
         beside = PanelCompanion(reader, robot, speaks="sim", valid_for_s=1.0, keyboard=False)
         run = MissionRun(

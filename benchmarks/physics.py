@@ -23,7 +23,7 @@ from pirate_sm.core import library
 from pirate_sm.core._geometry.network import Straight, planar
 from pirate_sm.core.geometry import Route, Section
 from pirate_sm.core.loading import load_robot
-from pirate_sm.core.simulation import Friction
+from pirate_sm.core.models import Friction
 from pirate_sm.lab.campaign.watched_run import WATCHED_AFTER_S
 from pirate_sm.running.wiring import Order
 from pirate_sm.simulation.mujoco.world import MujocoWorld

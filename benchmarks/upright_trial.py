@@ -198,7 +198,7 @@ def _in_the_pipe(
 ) -> LoadedMission:
     """Return the mission in a pipe with this friction, and half of it on a patch."""
     from pirate_sm.core._model.pipe_runs import Patch
-    from pirate_sm.core.simulation import Friction
+    from pirate_sm.core.models import Friction
 
     begins_m = Random(f"patch {seed}").uniform(*PATCH_BEGINS_M)
     patch = Patch.model_validate(

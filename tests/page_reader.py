@@ -87,7 +87,7 @@ class Reader:
         program, *arguments = shlex.split(line)
         if program in PROGRAMS and not {"|", ">", "||"} & set(arguments):
             result = CliRunner().invoke(
-                commands if program == "pirate" else only_run, arguments, env={"COLUMNS": "100"}
+                commands if program == "pirate" else only_run(), arguments, env={"COLUMNS": "100"}
             )
             return result.exit_code, result.output
         done = subprocess.run(

@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 
 import pirate_sm
 from pirate_sm.core.geometry import Place
-from pirate_sm.core.mission import Mission
+from pirate_sm.core.models import Mission
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.views.report.contents import Lane, Report, RobotScene
 from pirate_sm.views.report.recording_report import report_of

@@ -13,17 +13,10 @@ import pirate_sm
 from pirate_sm import learning
 from pirate_sm.cli import start
 from pirate_sm.core import library
+from pirate_sm.core.errors import ExitCode
 from pirate_sm.core.events import BuiltInFault
 from pirate_sm.core.loading import load_robot
-from pirate_sm.running.runtime.ending import (
-    BACKEND,
-    BUG,
-    BY_SIGNAL,
-    FAILED,
-    OUTPUT_LOST,
-    RECORDING_LOST,
-    SUCCEEDED,
-)
+from pirate_sm.running.runtime.ending import BY_SIGNAL
 from pirate_sm.views.drawing.robot_page import Drawing, robot_page
 from pirate_sm.views.drawing.svg.svg_writer import svg
 from website import notebook
@@ -38,15 +31,16 @@ MERMAID = re.compile(r"^```mermaid\n.*?^```$", re.MULTILINE | re.DOTALL)
 NAMED = re.compile(r"^# (?:\d+\. )?(.*)$", re.MULTILINE)
 
 EXIT_CODES = {
-    SUCCEEDED: "The mission has succeeded, or the command has done what it was asked for.",
-    FAILED: "The mission has failed, by its own end or by a fault of the robot; `pirate check` has "
-    "found errors; two runs that were compared differ.",
+    ExitCode.SUCCEEDED: "The mission has succeeded, or the command has done what it was asked for.",
+    ExitCode.FAILED: "The mission has failed, by its own end or by a fault of the robot; "
+    "`pirate check` has found errors; two runs that were compared differ.",
     pirate_sm.UsageError.exit_code: "Files or arguments are refused. Nothing has moved.",
-    BACKEND: "The backend, the link to the robot or a detector of another package has failed.",
-    BUG: "An internal error. `--debug` shows the traceback.",
-    RECORDING_LOST: "The mission has succeeded, but the recording that was asked for is incomplete "
-    "(a full disk).",
-    OUTPUT_LOST: "Nobody reads the output any more (a closed pipe, a full disk).",
+    ExitCode.BACKEND: "The backend, the link to the robot or a detector of another package has "
+    "failed.",
+    ExitCode.BUG: "An internal error. `--debug` shows the traceback.",
+    ExitCode.RECORDING_LOST: "The mission has succeeded, but the recording that was asked for is "
+    "incomplete (a full disk).",
+    ExitCode.OUTPUT_LOST: "Nobody reads the output any more (a closed pipe, a full disk).",
 }
 
 

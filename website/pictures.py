@@ -72,7 +72,7 @@ def page_of(shot: Shot, folder: Path) -> Path:
     """Return the page of which a picture is taken, made now in this folder."""
     for number, arguments in enumerate(shot.runs, 1):
         recording = str(folder / f"{number}.mcap")
-        CliRunner().invoke(only_run, [*arguments, "--quiet", "--record", recording])
+        CliRunner().invoke(only_run(), [*arguments, "--quiet", "--record", recording])
     what, page = (folder / "1.mcap" if len(shot.runs) == 1 else folder), folder / "page.html"
     result = CliRunner().invoke(commands, ["report", str(what), "-o", str(page)])
     assert result.exit_code == 0, result.output

@@ -20,12 +20,11 @@ from pirate_sm.api.arguments import path_of
 from pirate_sm.core.effects import Effect, Ended
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.events import Event
+from pirate_sm.core.events import Event, Trail
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.resuming import AS_DECLARED, Beginning
 from pirate_sm.core.sensing import Glide
-from pirate_sm.core.simulation import Trail
 from pirate_sm.core.spelling import meant
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.pieces import Gap, RecordedStep

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple, Unpack
 from pirate_sm.api.arguments import Mission, loaded_once, prepared, whole
 from pirate_sm.api.result import Columns, Run, noted
 from pirate_sm.core.companion import entered
-from pirate_sm.core.errors import BackendError, UsageError
+from pirate_sm.core.errors import BackendError, ExitCode, UsageError
 from pirate_sm.core.options import Options
-from pirate_sm.running.runtime.ending import BUG, INTERRUPTED
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring.adoption import adopt_alone
@@ -69,11 +68,11 @@ def run(
         )
         result = mission_run.execute()
     if result.error is not None:
-        if result.exit_code == BUG:
+        if result.exit_code == ExitCode.BUG:
             raise result.error
         if mission_run.state is None:
             raise BackendError(result.ended.message) from result.error
-    if result.exit_code == INTERRUPTED:
+    if result.exit_code == ExitCode.INTERRUPTED:
         raise KeyboardInterrupt(result.ended.message)
     return notes.run(ready.parting())
 
@@ -191,9 +190,9 @@ def _run(mission: Mission, backend: str, options: Options, seed: int) -> _Row:
     ready = prepared(mission, backend, seed, check=False, yes=False, **options)
     companions = ready.companions if ready.attended else (*ready.companions, FirstChoice())
     result = MissionRun(ready.engine, ready.backend, companions=companions).execute()
-    if result.error is not None and result.exit_code == BUG:
+    if result.error is not None and result.exit_code == ExitCode.BUG:
         raise result.error
-    if result.exit_code == INTERRUPTED:
+    if result.exit_code == ExitCode.INTERRUPTED:
         raise KeyboardInterrupt(result.ended.message)
     ended = result.ended
     return _Row(seed, ended.outcome, ended.end, ended.message, result.now_s)

@@ -14,7 +14,7 @@ from itertools import chain
 from math import inf
 from typing import NamedTuple
 
-from pirate_sm.core.profile import Motor, Profile
+from pirate_sm.core.models import Motor, Profile
 from pirate_sm.core.robot import (
     CriterionSpec,
     RobotSpec,

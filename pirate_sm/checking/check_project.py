@@ -38,16 +38,15 @@ from pirate_sm.core.library import PROFILE_FILE, shown
 from pirate_sm.core.loading import (
     check_pipe,
     check_reach,
-    check_twin,
     load_pipe,
     load_robot,
+    load_twin,
     outline_chart,
     references,
     validate,
 )
+from pirate_sm.core.models import Pipe, Twin
 from pirate_sm.core.on_disk import is_file
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.simulation import Twin
 
 if TYPE_CHECKING:
     from pirate_sm.checking.reports.counterexamples import Examples
@@ -348,17 +347,15 @@ class _Check:
         """Check the numbers of a simulated robot against its profile."""
         document = self._document(target)
         twin = validate(document, Twin)
-        problems = Problems(document)
         try:
             robot = load_robot(self._robot_of(target.path, twin.robot))
         except UsageError as error:
+            problems = Problems(document)
             problems.add("twin.robot", ("robot",), str(error))
             problems.raise_errors()
         except LoadError:
             return  # reported for the robot
-        else:
-            check_twin(twin, robot.profile, problems)
-        self.findings += map(finding_of, problems.all)
+        load_twin(target.path, robot.profile)
 
     def _robot_of(self, path: Path, name: str) -> Path:
         """Return the folder of the robot that a file is for: the wanted one, else of its name."""

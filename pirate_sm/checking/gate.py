@@ -10,14 +10,14 @@ from pirate_sm.checking.mission.check_mission import MissionCheck, check_loaded
 from pirate_sm.checking.reports.check_report import CheckedFile, CheckReport
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.core.documents import FileKind
-from pirate_sm.core.errors import Hint, PirateError
+from pirate_sm.core.errors import ExitCode, Hint, PirateError
 from pirate_sm.core.loading import LoadedMission
 
 
 class CheckError(PirateError):
     """Raised for missions that are refused before anything moves; holds their findings."""
 
-    exit_code: ClassVar[int] = 2
+    exit_code: ClassVar[int] = ExitCode.USAGE
 
     def __init__(self, names: Sequence[str], findings: tuple[Finding, ...]) -> None:
         self.names, self.findings = names, findings

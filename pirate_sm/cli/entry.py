@@ -206,10 +206,14 @@ def about(name: str) -> str:
     return str(_found("options", COMMANDS[name][0]).__doc__).partition("\n")[0]
 
 
+def only_run() -> typer.Typer:
+    """Return the app of `pirate-run`."""
+    return _single("run")
+
+
 commands = _app(cls=_Group, no_args_is_help=True)
 for group, text in GROUPS.items():
     commands.add_typer(_app(cls=_Group, no_args_is_help=True), name=group, help=text)
-only_run = _single("run")
 
 
 @commands.callback()
@@ -221,10 +225,10 @@ def _enter(app: typer.Typer) -> None:
     """Run the app, which ends this process; report in one line that output cannot be written."""
     if sys.stdout is None:
         from pirate_sm.cli.errors import say
-        from pirate_sm.running.runtime.ending import OUTPUT_LOST
+        from pirate_sm.core.errors import ExitCode
 
         say("the output cannot be written: standard output is closed")
-        raise SystemExit(OUTPUT_LOST)
+        raise SystemExit(ExitCode.OUTPUT_LOST)
     degrade(sys.stdout)
     degrade(sys.stderr)
     try:
@@ -250,4 +254,4 @@ def main() -> None:
 
 def run_main() -> None:
     """Run the mission on the command line of `pirate-run`, and end the process."""
-    _enter(only_run)
+    _enter(only_run())

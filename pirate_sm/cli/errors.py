@@ -7,11 +7,14 @@ import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from typing import TYPE_CHECKING
 
 from pirate_sm.cli.ctrl_c import was_interrupted
-from pirate_sm.core.errors import PirateError
+from pirate_sm.core.errors import ExitCode, PirateError
 from pirate_sm.core.visible import visible
-from pirate_sm.running.runtime.ending import BUG, INTERRUPTED, OUTPUT_LOST, Stop, StopRequests
+
+if TYPE_CHECKING:
+    from pirate_sm.running.runtime.ending import Stop, StopRequests
 
 
 class StoppedError(Exception):
@@ -53,14 +56,14 @@ def guarded(work: Callable[[], int], debug: bool) -> int:
     try:
         code = work()
         sys.stdout.flush()
-        return INTERRUPTED if code in _FAULTS and was_interrupted() else code
+        return ExitCode.INTERRUPTED if code in _FAULTS and was_interrupted() else code
     except KeyboardInterrupt as interrupted:
         say(str(interrupted) or "interrupted")
-        return INTERRUPTED
+        return ExitCode.INTERRUPTED
     except Exception as error:
         if was_interrupted():  # the interrupt has become this error
             say("interrupted")
-            return INTERRUPTED
+            return ExitCode.INTERRUPTED
         return _reported(error, debug)
 
 
@@ -68,7 +71,7 @@ def _reported(error: Exception, debug: bool) -> int:
     """Print an error in words for its kind; return the exit code."""
     if isinstance(error, BrokenPipeError):
         silence_stdout()
-        return OUTPUT_LOST
+        return ExitCode.OUTPUT_LOST
     if isinstance(error, OSError) and error.errno in _LOST:
         return output_lost(error)
     if isinstance(error, StoppedError):
@@ -80,7 +83,7 @@ def _reported(error: Exception, debug: bool) -> int:
         say(error.for_terminal)
         return error.exit_code
     say_bug(error, debug)
-    return BUG
+    return ExitCode.BUG
 
 
 def say(message: str) -> None:
@@ -110,7 +113,7 @@ def output_lost(error: OSError) -> int:
     """Print that standard output cannot be written; return the exit code for that."""
     silence_stdout()
     say(f"the output cannot be written: {error.strerror}")
-    return OUTPUT_LOST
+    return ExitCode.OUTPUT_LOST
 
 
 def silence_stdout() -> None:

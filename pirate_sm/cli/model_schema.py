@@ -12,9 +12,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import core_schema
 
 from pirate_sm.core.fields import DEFINED, QUANTITY
-from pirate_sm.core.mission import End, FaultHandler, Phase, WaitStep
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import PostureCase, SafetyRule
+from pirate_sm.core.models import End, FaultHandler, Phase, Pipe, PostureCase, SafetyRule, WaitStep
 
 _ATTRIBUTE = re.compile(r"    (\w+): (.*)")
 

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 from pirate_sm.cli.options.running import RunOptions
 from pirate_sm.core.effects import Ask, Effect, Ended, Log, TriggerFired, WaitArmed
-from pirate_sm.core.errors import UsageError
+from pirate_sm.core.errors import ExitCode, UsageError
 from pirate_sm.core.events import Answer, Event
 from pirate_sm.core.visible import visible
-from pirate_sm.running.runtime.ending import INTERRUPTED, Stop, StopRequests
+from pirate_sm.running.runtime.ending import Stop, StopRequests
 from pirate_sm.running.runtime.scripted_events import Answered
 from pirate_sm.running.wiring import Prepared, answers
 
@@ -227,7 +227,7 @@ def open_panel(prepared: Prepared, requests: StopRequests, stack: ExitStack) -> 
         return None
 
     def end_run(reason: str) -> None:
-        requests.ask(Stop(reason, INTERRUPTED))
+        requests.ask(Stop(reason, ExitCode.INTERRUPTED))
 
     return stack.enter_context(prepared.panel.reader(end_run))
 

@@ -12,9 +12,7 @@ from typing import Any, Final
 from pirate_sm.cli.model_schema import DRAFT, schema_of
 from pirate_sm.core.expressions import KEYWORDS, EnumType
 from pirate_sm.core.loading import LoadedRobot
-from pirate_sm.core.mission import Mission
-from pirate_sm.core.pipe import PipeFile
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Mission, PipeFile, Profile
 from pirate_sm.core.robot import USUAL
 from pirate_sm.core.units import describe
 from pirate_sm.lab.campaign.campaign_model import Campaign, Scene

@@ -16,7 +16,25 @@ exception means a failure that no mission can handle.
 from __future__ import annotations
 
 from copyreg import __newobj__  # type: ignore[attr-defined]
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, Final, NamedTuple
+
+
+class ExitCode:
+    """The exit codes of commands; an error carries its own.
+
+    Attributes:
+        INTERRUPTED: As a shell shows it: 128 + SIGINT.
+        OUTPUT_LOST: Nobody reads the output any more: 128 + SIGPIPE, as a shell shows it.
+    """
+
+    SUCCEEDED: Final = 0
+    FAILED: Final = 1
+    USAGE: Final = 2
+    BACKEND: Final = 3
+    BUG: Final = 4
+    RECORDING_LOST: Final = 5
+    INTERRUPTED: Final = 130
+    OUTPUT_LOST: Final = 141
 
 
 class Hint(NamedTuple):
@@ -40,7 +58,7 @@ class PirateError(Exception):
     Its text is for a caller from Python; the command line shows :attr:`for_terminal`.
     """
 
-    exit_code: ClassVar[int] = 4
+    exit_code: ClassVar[int] = ExitCode.BUG
 
     def __init__(self, *arguments: object, hint: Hint = NO_HINT) -> None:
         super().__init__(*arguments)
@@ -62,7 +80,7 @@ class PirateError(Exception):
 class UsageError(PirateError):
     """Raised for invalid arguments or text, before anything moves."""
 
-    exit_code: ClassVar[int] = 2
+    exit_code: ClassVar[int] = ExitCode.USAGE
 
 
 def not_installed(what: str, package: str | None, extra: str) -> UsageError:
@@ -80,13 +98,13 @@ def not_installed(what: str, package: str | None, extra: str) -> UsageError:
 class RecordingError(PirateError):
     """Raised for a recording that cannot be read, or cannot be written at its path."""
 
-    exit_code: ClassVar[int] = 2
+    exit_code: ClassVar[int] = ExitCode.USAGE
 
 
 class BackendError(PirateError):
     """Raised when a backend or its link fails in a way that no event reports."""
 
-    exit_code: ClassVar[int] = 3
+    exit_code: ClassVar[int] = ExitCode.BACKEND
 
 
 class DetectorError(BackendError):

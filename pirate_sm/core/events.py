@@ -1,4 +1,4 @@
-"""What can happen to a run: the events that the engine takes, faults, words of detectors."""
+"""What can happen to a run: events, faults, words of detectors; where it is."""
 
 # ruff: noqa: F401
 # mypy: implicit-reexport
@@ -31,4 +31,15 @@ from pirate_sm.core._model.events import (
     Tick,
 )
 from pirate_sm.core._model.faults import BUILT_IN_FAULTS, BuiltInFault, Origin
-from pirate_sm.core._model.whereabouts import Look, SeenMark, Sighting, WordWatch
+from pirate_sm.core._model.whereabouts import (
+    InSpace,
+    Look,
+    Rows,
+    SeenMark,
+    Sighting,
+    Stood,
+    Trail,
+    Truth,
+    Whereabouts,
+    WordWatch,
+)

@@ -17,11 +17,6 @@ from pirate_sm.core._loading.chart_outline import (
     outline_chart,
 )
 from pirate_sm.core._loading.mission.called_missions import read_states
-from pirate_sm.core._loading.mission.generated import (
-    BY_HAND,
-    by_hand,
-    mission_on_route,
-)
 from pirate_sm.core._loading.mission.loader import (
     TOLERABLE,
     LoadedMission,
@@ -40,7 +35,6 @@ from pirate_sm.core._loading.pipe import (
 from pirate_sm.core._loading.references import project_of
 from pirate_sm.core._loading.robot.loader import (
     LoadedRobot,
-    check_twin,
     load_robot,
     load_twin,
     read_robot,

@@ -4,7 +4,7 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._engine.resuming.hypotheses import DarkWay, hypotheses
+from pirate_sm.core._engine.resuming.hypotheses import hypotheses
 from pirate_sm.core._engine.resuming.reconciling import (
     Reconciled,
     VerdictTable,
@@ -21,3 +21,4 @@ from pirate_sm.core._engine.resuming.resumption import (
     resumption,
     unknowns,
 )
+from pirate_sm.core._engine.unwatched import DarkWay

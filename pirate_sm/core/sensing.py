@@ -4,6 +4,7 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
+from pirate_sm.core._engine.gliding.lookout import Lookout
 from pirate_sm.core._engine.gliding.quiet_frames import (
     Condition,
     Glide,

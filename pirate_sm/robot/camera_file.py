@@ -13,7 +13,7 @@ from pirate_sm.core.documents import Path as At
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.library import shown
 from pirate_sm.core.loading import validate
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.core.spelling import nearest
 from pirate_sm.robot.camera import (
     FEWEST_POINTS,

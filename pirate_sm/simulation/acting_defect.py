@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from pirate_sm.core.simulation import Defect
+from pirate_sm.core.models import Defect
 from pirate_sm.simulation.electronics import Electronics
 
 Counts: TypeAlias = list[float]

@@ -20,8 +20,7 @@ from pirate_sm.core.events import (
     SubmitStatus,
     WordWatch,
 )
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.core.sensing import Glide, Watch
 from pirate_sm.robot.backends.protocol import Completion
 from pirate_sm.simulation.acting_defect import Incident

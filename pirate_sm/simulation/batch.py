@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.profile import LinkSettings
+from pirate_sm.core.models import LinkSettings
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.crew import Crew
 from pirate_sm.simulation.physics import GlidingPhysics, QuantityLayout

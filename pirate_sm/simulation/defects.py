@@ -16,9 +16,8 @@ import numpy as np
 
 from pirate_sm.core.errors import NO_HINT, Hint, UsageError
 from pirate_sm.core.expressions import NumberType, Vocabulary, compile_expression
+from pirate_sm.core.models import Defect, Profile
 from pirate_sm.core.options import DEFECT_KEYS, keys_of_defect
-from pirate_sm.core.profile import Profile
-from pirate_sm.core.simulation import Defect
 from pirate_sm.core.spelling import unknown
 from pirate_sm.core.units import (
     ANGLE,
@@ -276,7 +275,7 @@ def named(texts: Sequence[str], profile: Profile, seed: int) -> list[AtWork]:
     A range and the number that :func:`drawn` returns for it make the same defect.
 
     Args:
-        texts: The defects, see :mod:`pirate_sm.core.simulation`.
+        texts: The defects, see :mod:`pirate_sm.core.models`.
         profile: The robot's profile.
         seed: Of their random numbers, and of those with which ranges are drawn.
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.expressions import Vocabulary, compile_expression
-from pirate_sm.core.profile import Channel, Profile, Slot
-from pirate_sm.core.profile import signals as kinds
+from pirate_sm.core.models import Channel, Profile, Slot
+from pirate_sm.core.models import signals as kinds
 from pirate_sm.simulation import digitizing
 from pirate_sm.simulation.arrays import Floats, Words
 from pirate_sm.simulation.digitizing import CHANNEL_COLUMNS

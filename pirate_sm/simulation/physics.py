@@ -12,8 +12,7 @@ from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.geometry import Route, Vector
-from pirate_sm.core.profile import Profile
-from pirate_sm.core.simulation import Friction
+from pirate_sm.core.models import Friction, Profile
 from pirate_sm.simulation.arrays import Floats
 
 # --- the chain -----------------------------------------------------------------------------------

@@ -13,11 +13,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.core.events import BuiltInFault, FaultReport, FrameBlock, SensorFrame
+from pirate_sm.core.events import (
+    BuiltInFault,
+    FaultReport,
+    FrameBlock,
+    InSpace,
+    SensorFrame,
+    Truth,
+    Whereabouts,
+)
 from pirate_sm.core.geometry import GRAVITY_M_S2, Bend, drawn_walls
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Profile
-from pirate_sm.core.simulation import InSpace, Truth, Whereabouts
+from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.defects import AtWork, named, put_to_work

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.geometry import Frame, Piece, Route, Vector, dot, span_m
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.simulation.physics import ChainBody, StartPose
 
 _TURNED_RAD = math.radians(5)

@@ -11,9 +11,7 @@ import numpy as np
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import BuiltInFault, FaultReport
 from pirate_sm.core.geometry import Piece, Route, Vector, tilted_up
-from pirate_sm.core.pipe import Pipe, Turns
-from pirate_sm.core.profile import Profile
-from pirate_sm.core.simulation import Friction
+from pirate_sm.core.models import Friction, Pipe, Profile, Turns
 from pirate_sm.simulation.physics import ChainBody, Physics, QuantityLayout, StartPose
 from pirate_sm.simulation.start_pose import stand
 

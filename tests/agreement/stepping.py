@@ -9,9 +9,8 @@ from typing import cast
 from benchmarks.gliding import Stepping, Taken
 from pirate_sm.core.companion import entered
 from pirate_sm.core.effects import Effect, WakeAt
-from pirate_sm.core.events import Abort, Event
+from pirate_sm.core.events import Abort, Event, InSpace, Trail
 from pirate_sm.core.sensing import Glide
-from pirate_sm.core.simulation import InSpace, Trail
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, load, prepare

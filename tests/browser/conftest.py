@@ -80,7 +80,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
             torn.write_bytes(spoilt)
             CliRunner().invoke(commands, ["repair", str(torn), "-o", str(run)])
         else:
-            CliRunner().invoke(only_run, [*RUNS[name], "--quiet", "--record", str(run)])
+            CliRunner().invoke(only_run(), [*RUNS[name], "--quiet", "--record", str(run)])
         assert CliRunner().invoke(commands, ["report", str(run), "-o", str(told)]).exit_code == 0
         made[name] = told
         return told

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pirate_sm.core.geometry import Route, Vector
-from pirate_sm.core.simulation import Friction
+from pirate_sm.core.models import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.physics import ChainBody, QuantityLayout, StartPose
 

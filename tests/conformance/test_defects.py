@@ -19,7 +19,7 @@ from representative import thorough_but
 from pirate_sm.core.effects import Effect, Fault
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.loading import LoadedMission, load_mission, load_robot
-from pirate_sm.core.simulation import Defect
+from pirate_sm.core.models import Defect
 from pirate_sm.robot.backends.protocol import Backend
 from pirate_sm.robot.backends.serial.assembly import read_plan
 from pirate_sm.robot.backends.serial.backend import SerialBackend

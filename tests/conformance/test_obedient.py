@@ -10,8 +10,7 @@ import pytest
 
 from pirate_sm.core._model.pipe import Blockage
 from pirate_sm.core.loading import load_robot
-from pirate_sm.core.pipe import Pipe, Straight
-from pirate_sm.core.simulation import Defect
+from pirate_sm.core.models import Defect, Pipe, Straight
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
 
 from .candidates import NEWT

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.core.simulation import LineFaults
+from pirate_sm.core.models import LineFaults
 from pirate_sm.robot.diagnosis.judgement import CHECKED_EVERY_S
 from pirate_sm.running.wiring import Order, Prepared
 from pirate_sm.views.console.checklist import Checklist

@@ -22,7 +22,7 @@ def test_the_stored_text_is_as_the_options_are(
 ) -> None:
     program, *words = line.split()
     monkeypatch.setenv("COLUMNS", str(start.WIDEST_HELP))
-    app = only_run if program == "pirate-run" else commands
+    app = only_run() if program == "pirate-run" else commands
     app([*words, "--help"], prog_name=program, standalone_mode=False)
     told = capsys.readouterr().out
     stored = FOLDER / help_name([program, *words])

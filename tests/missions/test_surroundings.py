@@ -16,7 +16,7 @@ from pirate_sm.core.effects import Effect, Ended
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.geometry import Piece
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.models import Pipe
 from pirate_sm.robot.backends.serial.assembly import read_plan
 from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.robot.detectors.registry import Asked, detecting

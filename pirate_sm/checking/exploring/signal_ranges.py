@@ -8,7 +8,7 @@ from itertools import combinations, pairwise
 from math import inf, isfinite, pi, sqrt
 from typing import NamedTuple
 
-from pirate_sm.core import profile as model
+from pirate_sm.core import models as model
 from pirate_sm.core.expressions import change_of, tree
 from pirate_sm.core.robot import RobotSpec
 

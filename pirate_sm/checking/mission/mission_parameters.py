@@ -16,7 +16,7 @@ from pirate_sm.core.documents import Document, Problems
 from pirate_sm.core.expressions import ExpressionError, compile_condition
 from pirate_sm.core.fields import Parameter
 from pirate_sm.core.loading import LoadedMission, Value, Values, defaults, read_value
-from pirate_sm.core.mission import (
+from pirate_sm.core.models import (
     AskStep,
     ConditionTrigger,
     End,

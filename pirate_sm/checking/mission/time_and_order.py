@@ -18,7 +18,7 @@ from pirate_sm.core.documents import Path, Place
 from pirate_sm.core.expressions import tree
 from pirate_sm.core.geometry import dot
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.mission import CONTROL_WITHIN_S, Mission, Phase, WaitStep, every_step
+from pirate_sm.core.models import CONTROL_WITHIN_S, Mission, Phase, WaitStep, every_step
 from pirate_sm.core.program import Do, Program, Question, SwitchControl, Wait
 from pirate_sm.core.robot import RobotSpec, RobotState, confirmed_parts
 

@@ -13,7 +13,7 @@ from pirate_sm.checking.pipe.pipe_view import PipeView, mm
 from pirate_sm.checking.pipe.usual_course import Bends, CoursePoint, course_of
 from pirate_sm.core.expressions import change_of, tree
 from pirate_sm.core.geometry import RouteJoint
-from pirate_sm.core.profile import DetectorPoint
+from pirate_sm.core.models import DetectorPoint
 from pirate_sm.core.program import Wait
 
 _JOINT, _OUT = "Joint", "Out"

@@ -13,7 +13,7 @@ from pirate_sm.checking.pipe.robot_in_pipe import QUARTER_RAD, PartRolls
 from pirate_sm.checking.pipe.usual_course import Bending, Bends, Change, CoursePoint
 from pirate_sm.core.documents import Place
 from pirate_sm.core.geometry import RouteJoint
-from pirate_sm.core.profile import PassedBy, Travel
+from pirate_sm.core.models import PassedBy, Travel
 from pirate_sm.core.program import Do
 
 # --- planes of bends -----------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.usual_course import CoursePoint
 from pirate_sm.core.documents import Path
 from pirate_sm.core.geometry import Piece, Vector, dot
-from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.models import Pipe
 
 
 class _Hold(NamedTuple):

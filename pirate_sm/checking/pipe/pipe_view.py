@@ -13,7 +13,7 @@ from pirate_sm.checking.pipe.usual_course import CoursePoint, UsualCourse
 from pirate_sm.core.documents import Document, Path, Place
 from pirate_sm.core.geometry import Piece, RouteJoint
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.models import Pipe
 from pirate_sm.core.program import Do, Require
 
 

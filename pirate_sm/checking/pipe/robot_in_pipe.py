@@ -24,8 +24,7 @@ from pirate_sm.core.geometry import (
     span_m,
     tilted_up,
 )
-from pirate_sm.core.pipe import FrictionStretch, Pipe
-from pirate_sm.core.profile import Link, Profile
+from pirate_sm.core.models import FrictionStretch, Link, Pipe, Profile
 from pirate_sm.core.robot import RobotSpec, Write, torque_nm
 
 _NEAR_M = 1e-6

@@ -10,7 +10,7 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.core.documents import Path
 from pirate_sm.core.loading import FOLDING_ROOM_RAD
-from pirate_sm.core.profile import Target, done_criteria
+from pirate_sm.core.models import Target, done_criteria
 from pirate_sm.core.robot import CriterionSpec, needs_of_signals
 
 _DENSEST_KG_M3 = 22_600.0

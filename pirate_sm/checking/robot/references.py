@@ -9,8 +9,8 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.core.documents import Path
 from pirate_sm.core.expressions import NumberType
-from pirate_sm.core.profile import done_criteria
-from pirate_sm.core.profile import signals as kinds
+from pirate_sm.core.models import done_criteria
+from pirate_sm.core.models import signals as kinds
 from pirate_sm.core.units import ACCELERATION, ANGLE, CURRENT, TORQUE
 
 _MOTORS = {"wheel": "geared", "joint": "sprung_worm", "roll": "position"}

@@ -11,7 +11,7 @@ from pirate_sm.checking.actuation_in_force import Actuated, InForce
 from pirate_sm.checking.findings import Finding, Severity, at
 from pirate_sm.core.documents import Path
 from pirate_sm.core.loading import LoadedRobot
-from pirate_sm.core.profile import Channel, Motor, Profile, Slot
+from pirate_sm.core.models import Channel, Motor, Profile, Slot
 from pirate_sm.core.robot import Need, RobotSpec, StageSpec, Write
 
 

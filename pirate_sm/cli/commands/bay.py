@@ -14,8 +14,7 @@ from pirate_sm.cli.output.files import refuse_losses
 from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import load_mission, load_pipe, load_robot
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.core.spelling import unknown
 from pirate_sm.core.units import DIMENSIONLESS, read_quantity
 from pirate_sm.running.wiring.backends import COMPILING, start_values, without_messages

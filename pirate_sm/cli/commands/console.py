@@ -12,11 +12,11 @@ from pirate_sm.cli.options.declaring import read_speed
 from pirate_sm.cli.options.running import ConsoleOptions
 from pirate_sm.cli.output.terminal import is_terminal, progress, shows_signs
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
-from pirate_sm.core.errors import UsageError
-from pirate_sm.core.loading import BY_HAND
+from pirate_sm.core.errors import ExitCode, UsageError
+from pirate_sm.core.generated_missions import BY_HAND
 from pirate_sm.core.palette import Theme
 from pirate_sm.core.visible import visible
-from pirate_sm.running.runtime.ending import BUG, SUCCEEDED, CaughtSignals, StopRequests
+from pirate_sm.running.runtime.ending import CaughtSignals, StopRequests
 from pirate_sm.running.wiring import Order, Prepared, load, prepare
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ def _view(path: str, theme: Theme) -> int:
     with CaughtSignals(requests, ends_process=True):
         Watchdog(requests, ender()).start()
         viewer.run()
-    return requests.stop.exit_code if requests.stop is not None else SUCCEEDED
+    return requests.stop.exit_code if requests.stop is not None else ExitCode.SUCCEEDED
 
 
 def _prepared(order: Order) -> Prepared:
@@ -194,13 +194,13 @@ def _conclude(app: Console, session: OperatorSession, debug: bool) -> int:
         what = latest.scene.engine, latest.state, latest.story.setpoints, latest.link
         say(f"{result.ended.message}: {left_state(*what)}")
     if failures:
-        return BUG
+        return ExitCode.BUG
     if result is not None and result.ended.outcome != "interrupted":
         return result.exit_code
-    return stop.exit_code if result is not None and stop is not None else SUCCEEDED
+    return stop.exit_code if result is not None and stop is not None else ExitCode.SUCCEEDED
 
 
 def _gone(failure: Exception, session: OperatorSession) -> bool:
     """Return whether it failed only because the terminal has gone."""
     stop = session.quitting.stop
-    return isinstance(failure, OSError) and stop is not None and stop.exit_code > BUG
+    return isinstance(failure, OSError) and stop is not None and stop.exit_code > ExitCode.BUG

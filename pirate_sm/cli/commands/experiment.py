@@ -14,7 +14,7 @@ from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.visible import visible
 
 if TYPE_CHECKING:
-    from pirate_sm.core.profile import Profile
+    from pirate_sm.core.models import Profile
     from pirate_sm.lab.experiments.experiment_files import Setup
     from pirate_sm.lab.experiments.setups import ComparedRow, ExperimentResult
 

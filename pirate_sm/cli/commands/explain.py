@@ -12,7 +12,7 @@ from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import BUILT_IN_FAULTS
 from pirate_sm.core.loading import load_robot
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.core.spelling import meant
 from pirate_sm.core.visible import visible
 from pirate_sm.views.drawing.robot_page import control_text

@@ -21,7 +21,7 @@ from pirate_sm.cli.output.files import (
 )
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.core.visible import visible
 from pirate_sm.lab.fitting.measurements import (
     Estimate,

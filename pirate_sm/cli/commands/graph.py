@@ -22,8 +22,8 @@ from pirate_sm.core.loading import (
     load_robot,
     outline_chart,
 )
+from pirate_sm.core.models import Pipe
 from pirate_sm.core.on_disk import is_file, is_folder
-from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.spelling import meant
 from pirate_sm.views.drawing.graph.graph import Graph, chart_graph, pipe_graph
 from pirate_sm.views.drawing.graph.highlight import Stop, highlight

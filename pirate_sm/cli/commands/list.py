@@ -13,9 +13,8 @@ from pirate_sm.core.documents import read_document
 from pirate_sm.core.errors import PirateError
 from pirate_sm.core.expressions import EnumType, NumberType
 from pirate_sm.core.loading import LoadedRobot, load_robot, validate
-from pirate_sm.core.mission import Mission
+from pirate_sm.core.models import Mission, Pipe
 from pirate_sm.core.options import keys_of_defect
-from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.registry import Registry
 from pirate_sm.core.units import describe
 from pirate_sm.core.visible import visible

@@ -19,15 +19,11 @@ from pirate_sm.cli.options.files import (
 from pirate_sm.cli.schema_files import MODELINE, mission_schema_text, schema_text
 from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.generated_missions import mission_on_route
 from pirate_sm.core.library import PROFILE_FILE
-from pirate_sm.core.loading import (
-    LoadedRobot,
-    load_mission,
-    load_robot,
-    mission_on_route,
-)
+from pirate_sm.core.loading import LoadedRobot, load_mission, load_robot
+from pirate_sm.core.models import Travel
 from pirate_sm.core.on_disk import is_file, is_there
-from pirate_sm.core.profile import Travel
 from pirate_sm.core.robot import at_rest_in, refusal
 from pirate_sm.lab.experiments.needed_extras import is_missing
 

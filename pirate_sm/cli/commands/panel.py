@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.devices import PanelOptions
 from pirate_sm.core import library
+from pirate_sm.core.errors import ExitCode
 from pirate_sm.core.visible import visible
 from pirate_sm.robot.control_panel.panel_file import Panel, read_panel
 from pirate_sm.robot.control_panel.panel_reader import MidiSystem, open_device, read_device
@@ -23,7 +24,6 @@ from pirate_sm.robot.control_panel.presses import (
     Presses,
     action_text,
 )
-from pirate_sm.running.runtime.ending import BACKEND, SUCCEEDED
 from pirate_sm.running.wiring.prepared import panel_and_device
 
 if TYPE_CHECKING:
@@ -45,11 +45,11 @@ def show_panel(options: PanelOptions) -> int:
     try:
         why = _Display(panel).follow(fd)
     except KeyboardInterrupt:
-        return SUCCEEDED
+        return ExitCode.SUCCEEDED
     finally:
         os.close(fd)
     say(f"the panel is disconnected: {why}")
-    return BACKEND
+    return ExitCode.BACKEND
 
 
 def _list() -> int:
@@ -57,7 +57,7 @@ def _list() -> int:
 
     list_panels()
     print_table("MIDI devices", [(str(each.path), each.card) for each in MidiSystem().listed()])
-    return SUCCEEDED
+    return ExitCode.SUCCEEDED
 
 
 def _chosen(text: str) -> tuple[Panel | None, Path]:

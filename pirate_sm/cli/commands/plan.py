@@ -18,7 +18,8 @@ from pirate_sm.cli.options.declaring import read_pairs
 from pirate_sm.cli.options.files import PlanOptions
 from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.loading import LoadedRobot, by_hand, load_mission, load_robot, read_states
+from pirate_sm.core.generated_missions import by_hand
+from pirate_sm.core.loading import LoadedRobot, load_mission, load_robot, read_states
 from pirate_sm.core.robot import Plan, RobotSpec, RobotState, at_rest_in, states_of
 from pirate_sm.core.spelling import meant
 from pirate_sm.core.visible import visible

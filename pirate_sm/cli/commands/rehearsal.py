@@ -10,13 +10,13 @@ from pathlib import Path
 from pirate_sm.checking.reports.check_report import Nearly, Rehearsal, Rehearse, RehearsedRun
 from pirate_sm.cli.errors import say
 from pirate_sm.core.effects import Effect, TriggerFired, WaitArmed
-from pirate_sm.core.engine import ROUNDING_S
-from pirate_sm.core.errors import UsageError
+from pirate_sm.core.engine import has_come
+from pirate_sm.core.errors import ExitCode, UsageError
 from pirate_sm.core.events import Event
 from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Wait
-from pirate_sm.running.runtime.ending import SUCCEEDED, Stop, StopRequests
+from pirate_sm.running.runtime.ending import Stop, StopRequests
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.near_misses import NearMiss, NearMisses
 from pirate_sm.running.runtime.scripted_events import CoursePlayer, FirstChoice
@@ -133,7 +133,7 @@ class _Early:
                 trigger = self._triggers.get((effect.phase, effect.trigger))
                 if trigger is None or trigger.condition is None:
                     continue
-                if now_s <= self._armed_s[effect.phase] + trigger.held_s + ROUNDING_S:
+                if has_come(self._armed_s[effect.phase] + trigger.held_s, now_s):
                     self.found[trigger.place] = trigger.condition.text
 
 
@@ -202,7 +202,7 @@ class _EndOfCourse:
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """Ask the run to stop after the last event."""
         if self._player.over:
-            self._requests.ask(Stop("the event sequence is over", SUCCEEDED))
+            self._requests.ask(Stop("the event sequence is over", ExitCode.SUCCEEDED))
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return no event."""

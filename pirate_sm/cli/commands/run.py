@@ -20,17 +20,9 @@ from pirate_sm.cli.output.terminal import agree, is_terminal, shows_signs
 from pirate_sm.cli.people import People, open_panel, people_of
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.core.companion import Companion, entered
-from pirate_sm.core.errors import UsageError
+from pirate_sm.core.errors import ExitCode, UsageError
 from pirate_sm.core.library import shown
-from pirate_sm.running.runtime.ending import (
-    BUG,
-    OUTPUT_LOST,
-    RECORDING_LOST,
-    SUCCEEDED,
-    CaughtSignals,
-    Result,
-    StopRequests,
-)
+from pirate_sm.running.runtime.ending import CaughtSignals, Result, StopRequests
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.pump import Observer, Resuming, Watcher
 from pirate_sm.running.runtime.scripted_events import Firing, FirstChoice, LoopWatch, TriggerScript
@@ -80,14 +72,14 @@ def run_prepared(
     live = manner.on_terminal and not options.plain and shows_signs(sys.stdout)
     result, kept = _shown(prepared, options, manner._replace(live=live), requests, resuming)
     if result is None:
-        return OUTPUT_LOST
+        return ExitCode.OUTPUT_LOST
     _say_unused(prepared)
     if parting := prepared.parting():
         say(parting)
     code = _conclude(result, options)
-    if code == SUCCEEDED and kept.lost is not None:
+    if code == ExitCode.SUCCEEDED and kept.lost is not None:
         say(f"the mission succeeded, but its recording {shown(kept.lost)} is incomplete")
-        return RECORDING_LOST
+        return ExitCode.RECORDING_LOST
     return code
 
 
@@ -207,11 +199,11 @@ def _output(observed: ObservedRun, options: RunOptions, manner: Manner, people: 
 
 def _conclude(result: Result, options: RunOptions) -> int:
     """Print on standard error what the output lacks; return the exit code."""
-    if result.error is not None and result.exit_code == BUG:
+    if result.error is not None and result.exit_code == ExitCode.BUG:
         say_bug(result.error, options.debug)
     elif result.error is not None and options.debug:
         show_traceback(result.error)
-    elif result.exit_code == OUTPUT_LOST:
+    elif result.exit_code == ExitCode.OUTPUT_LOST:
         silence_stdout()
         ended = result.ended
         if ended.outcome == "interrupted":  # its message is about the output

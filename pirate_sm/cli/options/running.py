@@ -118,7 +118,7 @@ class RunOptions(_RobotRunOptions):
             LoadError: The script cannot be used; it lists all that is wrong.
             UsageError: An option does not have the right form.
         """
-        from pirate_sm.core.simulation import LineFaults
+        from pirate_sm.core.models import LineFaults
         from pirate_sm.running.wiring.backends import read_script
 
         listed, course = ((), ()) if self.script is None else read_script(Path(self.script))

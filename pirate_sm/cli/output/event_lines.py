@@ -13,9 +13,9 @@ from pirate_sm.cli.output.terminal import columns_of, wrapped
 from pirate_sm.core import effects as fx
 from pirate_sm.core.effects import Effect, Ended, Setpoints, Unmet
 from pirate_sm.core.engine import EngineState, Evidence
-from pirate_sm.core.events import ALPHABET_VERSION
+from pirate_sm.core.events import ALPHABET_VERSION, Truth
+from pirate_sm.core.models import SIMULATORS
 from pirate_sm.core.options import USUAL
-from pirate_sm.core.simulation import SIMULATORS, Truth
 from pirate_sm.core.visible import visible
 from pirate_sm.running.runtime.ending import StopRequests
 from pirate_sm.running.runtime.scripted_events import Answered

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING
 
 from pirate_sm.core._engine import inputs
 from pirate_sm.core._engine.consequences import settle
-from pirate_sm.core._engine.gliding.lookout import Lookout
-from pirate_sm.core._engine.gliding.quiet_frames import Glided, Watch
 from pirate_sm.core._engine.mission.program import Program, signals_read, slip_watched
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
@@ -80,7 +78,6 @@ class Engine:
             for control, signals in slip_watched(robot)
             if not nominal and spec is not None and not signals.isdisjoint(spec.targets)
         )
-        self._lookout = Lookout(robot, program)
 
     def start(
         self,
@@ -169,7 +166,7 @@ class Engine:
         """
         if state.mission.ended:
             return state, ()
-        follows, alphabet = self._follows(state), self.alphabet
+        follows, alphabet = self.follows_slip(state), self.alphabet
         moment = Moment(self.robot, self.program, self.nominal, now_s, follows, alphabet)
         if type(event) is events.SensorFrame:  # the most frequent event
             after = inputs.frame(moment, state, event)
@@ -179,28 +176,9 @@ class Engine:
             after = settle(moment, state, after)
         return after, tuple(moment.effects)
 
-    def watch(self, state: EngineState) -> Watch | None:
-        """Return what must stay true so that frames of the boards change nothing but signals.
-
-        A backend may then take such frames for the engine, see :meth:`glided`.
-
-        Returns:
-            What must stay true; None where every frame must go through :meth:`step`.
-        """
-        if self.nominal or self._follows(state) or state.mission.ended:
-            return None
-        return self._lookout.watch(state)
-
-    def _follows(self, state: EngineState) -> bool:
+    def follows_slip(self, state: EngineState) -> bool:
         """Return whether slip and friction are estimated in every round."""
         return self._follows_traction or state.robot.control in self._slip_watched
-
-    def glided(self, state: EngineState, after: Glided) -> EngineState:
-        """Return the state after frames that leave true what :meth:`watch` returned.
-
-        It is the state that :meth:`step` returns after the same frames, which have no effects.
-        """
-        return state._replace(**after._asdict())
 
     def signals(self, state: EngineState) -> dict[str, float]:
         """Return all signals by name, in SI units; NaN is unknown."""
@@ -213,7 +191,7 @@ class Engine:
             Signals in the order of the vocabulary, SI; NaN is unknown.
         """
         spec, sensing, body = self.robot.traction, state.sensing, state.robot
-        if spec is None or self.nominal or self._follows(state) or sensing.sees_slip:
+        if spec is None or self.nominal or self.follows_slip(state) or sensing.sees_slip:
             return sensing.shown
         at, around, at_s = body.configuration, state.surveyed.reported, max(sensing.heard_s)
         return with_traction(self.robot, spec, sensing, body.values, at, around, at_s).shown

@@ -12,7 +12,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol, TypeAlias
 
 from pirate_sm.core._expressions.parser import ExpressionFault
-from pirate_sm.core.errors import PirateError
+from pirate_sm.core.errors import ExitCode, PirateError
 from pirate_sm.core.spelling import nearest, one_of
 
 if TYPE_CHECKING:
@@ -137,7 +137,7 @@ def _marked(line: str, column: int) -> list[str]:
 class LoadError(PirateError):
     """Raised for files that cannot be used; holds all their problems, ordered by place."""
 
-    exit_code: ClassVar[int] = 2
+    exit_code: ClassVar[int] = ExitCode.USAGE
 
     def __init__(self, problems: Iterable[Problem]) -> None:
         self.problems = tuple(sorted(problems, key=lambda problem: problem.place))

@@ -34,8 +34,8 @@ from pirate_sm.core.fields import (
     quantity_fault,
     range_fault,
 )
+from pirate_sm.core.models import DefectText, LineFaults
 from pirate_sm.core.options import JITTER, OPTIONS, RunOption
-from pirate_sm.core.simulation import DefectText, LineFaults
 from pirate_sm.core.units import (
     DIMENSIONLESS,
     LENGTH,

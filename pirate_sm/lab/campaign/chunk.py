@@ -20,8 +20,8 @@ import numpy as np
 from pirate_sm.core.documents import LoadError
 from pirate_sm.core.errors import BackendError, UsageError
 from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.models import Profile
 from pirate_sm.core.options import JITTER
-from pirate_sm.core.profile import Profile
 from pirate_sm.core.units import DIMENSIONLESS, LENGTH, parse_quantity, unit_of
 from pirate_sm.lab.campaign.campaign_model import TrueEnd
 from pirate_sm.lab.campaign.plan import code_version

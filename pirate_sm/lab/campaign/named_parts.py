@@ -28,9 +28,9 @@ from pirate_sm.core.loading import (
     read_value,
     references,
 )
+from pirate_sm.core.models import Profile
 from pirate_sm.core.on_disk import is_there
 from pirate_sm.core.options import OPTIONS
-from pirate_sm.core.profile import Profile
 from pirate_sm.core.robot import ChartTable
 from pirate_sm.core.units import QuantityError, format_quantity
 from pirate_sm.lab.campaign.campaign_model import (

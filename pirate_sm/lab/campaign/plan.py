@@ -14,8 +14,8 @@ from pydantic import Field, PlainSerializer, PlainValidator, TypeAdapter, Valida
 from pydantic_core import to_json
 
 import pirate_sm
+from pirate_sm.core.models import LineFaults
 from pirate_sm.core.options import OPTIONS, written
-from pirate_sm.core.simulation import LineFaults
 from pirate_sm.core.units import DIMENSIONLESS, TIME
 from pirate_sm.lab.campaign.campaign_model import Expectation, StoppingRule, TrueEnd
 from pirate_sm.running.wiring import Order

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, cast
 
 from pirate_sm.core.companion import entered
 from pirate_sm.core.effects import Detected, Effect, Fault, Setpoints, StateChange
-from pirate_sm.core.errors import UsageError
+from pirate_sm.core.errors import ExitCode, UsageError
 from pirate_sm.lab.campaign.campaign_model import TrueEnd
 from pirate_sm.robot.detectors.word_timing import words_of
-from pirate_sm.running.runtime.ending import BUG
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, Prepared, prepare
@@ -169,7 +168,7 @@ def finished(
         result = run.execute()
         cpu_s = process_time() - cpu_s
     took_s = perf_counter() - began
-    if result.exit_code == BUG and result.error is not None:
+    if result.exit_code == ExitCode.BUG and result.error is not None:
         raise result.error
     state, real, ended = run.state, truth(), result.ended
     assert state is not None

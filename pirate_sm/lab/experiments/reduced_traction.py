@@ -9,7 +9,7 @@ import numpy as np
 
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.geometry import span_m
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.lab.experiments.reduced_kernel import GRAVITY_M_S2, simulate
 from pirate_sm.lab.experiments.setups import NoiseLevel, TractionSetup, Variant
 from pirate_sm.simulation.arrays import Floats

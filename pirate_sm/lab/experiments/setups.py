@@ -27,7 +27,7 @@ from pirate_sm.core.fields import (
     Torque,
     VelocityGain,
 )
-from pirate_sm.core.simulation import DefectText, Friction
+from pirate_sm.core.models import DefectText, Friction
 from pirate_sm.core.units import parse_unit
 from pirate_sm.lab.experiments.needed_extras import is_missing
 from pirate_sm.views.drawing.svg.plot import Plot

@@ -14,8 +14,8 @@ import numpy as np
 from pirate_sm.api import Run, run
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.geometry import height_m, span_m
-from pirate_sm.core.profile import Profile, Wheel
-from pirate_sm.core.profile import signals as kinds
+from pirate_sm.core.models import Profile, Wheel
+from pirate_sm.core.models import signals as kinds
 from pirate_sm.lab.experiments.setups import (
     ExperimentResult,
     PostProcessing,

@@ -10,7 +10,7 @@ import numpy as np
 
 from pirate_sm.api import Run, run
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.core.spelling import one_of
 from pirate_sm.lab.experiments.reduced_traction import TractionRun, run_traction
 from pirate_sm.lab.experiments.setups import (

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.models import Profile
 from pirate_sm.core.on_disk import opened
-from pirate_sm.core.profile import Profile
 from pirate_sm.core.spelling import nearest, one_of
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission

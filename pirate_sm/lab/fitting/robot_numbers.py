@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pirate_sm.core.events import SensorFrame
-from pirate_sm.core.profile import Motor, Profile, Slot
-from pirate_sm.core.profile import signals as kinds
+from pirate_sm.core.models import Motor, Profile, Slot
+from pirate_sm.core.models import signals as kinds
 from pirate_sm.core.sensing import with_traction
 from pirate_sm.lab.fitting.measurements import (
     Columns,

@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from pirate_sm.core.effects import Setpoints
 from pirate_sm.core.errors import PirateError
-from pirate_sm.core.simulation import SIMULATORS
+from pirate_sm.core.models import SIMULATORS
 from pirate_sm.lab.campaign.campaign_model import Expected, Scene, TrueEnd
 from pirate_sm.lab.campaign.watched_run import judge, watched_run
 from pirate_sm.running.recording.read.reader import Recording, read_recording

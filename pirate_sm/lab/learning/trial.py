@@ -22,7 +22,8 @@ from pirate_sm.core.effects import CommandStatus, Effect, Ended, Fault
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import OperatorCommand
-from pirate_sm.core.loading import LoadedMission, by_hand, load_mission, load_pipe, load_robot
+from pirate_sm.core.generated_missions import by_hand
+from pirate_sm.core.loading import LoadedMission, load_mission, load_pipe, load_robot
 from pirate_sm.core.options import OPTIONS, Options
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.sensing import Numbers

@@ -23,13 +23,11 @@ from statistics import median
 from pirate_sm.core.effects import CommandStatus, Effect, Log, Setpoints, StateChange
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.events import BuiltInFault, Event, FaultReport
+from pirate_sm.core.events import BuiltInFault, Event, FaultReport, Truth
 from pirate_sm.core.geometry import drawn_walls
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.core.robot import RobotSpec, confirmed_parts
 from pirate_sm.core.sensing import WHOLE
-from pirate_sm.core.simulation import Truth
 from pirate_sm.robot.detectors.dead_reckoning import Felt, Reckoned, Reckoner, Shape
 from pirate_sm.robot.detectors.route_report import RouteReport
 from pirate_sm.robot.detectors.word_timing import LOOK_EVERY_S, WordDetector, words_of

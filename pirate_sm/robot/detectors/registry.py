@@ -20,13 +20,11 @@ from pirate_sm.core.companion import Companion, Counting, Onlooker, entered
 from pirate_sm.core.effects import Effect, Log
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import DetectorError, Hint, PirateError, UsageError
-from pirate_sm.core.events import DetectorWord, Event, FaultReport
+from pirate_sm.core.events import DetectorWord, Event, FaultReport, Truth
 from pirate_sm.core.geometry import Bend
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.core.registry import Plugin, Registry
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.core.simulation import Truth
 from pirate_sm.robot import part_names
 from pirate_sm.robot.detectors.odometry_detector import Odometry
 from pirate_sm.robot.detectors.simple_detectors import SignalWords, TruePlaces, offer

@@ -12,9 +12,8 @@ from pirate_sm.core.effects import Effect, Ended, Log
 from pirate_sm.core.engine import EngineState, has_come
 from pirate_sm.core.events import DetectorWord, Event, Look, OutsideNumber, WordWatch
 from pirate_sm.core.geometry import Bend
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile, RulerSettings
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.core.simulation import RulerSettings
 from pirate_sm.robot.detectors.word_timing import LOOK_EVERY_S, Repeater, WordDetector, words_of
 
 # --- the simulator --------------------------------------------------------------------------------

@@ -14,12 +14,11 @@ from typing import NamedTuple, Protocol, Self
 
 from pirate_sm.core.effects import Effect, Ended, Log
 from pirate_sm.core.engine import EngineState, has_come
-from pirate_sm.core.events import BuiltInFault, Event, FaultReport, OutsideNumber, Sighting
+from pirate_sm.core.events import BuiltInFault, Event, FaultReport, OutsideNumber, Sighting, Truth
 from pirate_sm.core.geometry import Place, Pose, Route, inner_corner, walls
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.sensing import BodySpec
-from pirate_sm.core.simulation import Truth
 from pirate_sm.robot.detectors.dead_reckoning import Reckoned
 from pirate_sm.robot.detectors.odometry_detector import Odometry
 from pirate_sm.robot.detectors.word_timing import LOOK_EVERY_S, Tracker, WordDetector, words_of

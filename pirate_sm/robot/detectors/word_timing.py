@@ -10,7 +10,7 @@ from math import inf, nan
 
 from pirate_sm.core.events import DetectorWord, Look, WordWatch
 from pirate_sm.core.geometry import Bend
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.robot.detectors.place_filter import (
     FORGOTTEN_M,
     SLACK_M,

@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 from pirate_sm.core import units
 from pirate_sm.core.events import SensorFrame
-from pirate_sm.core.profile import Board, Profile
+from pirate_sm.core.models import Board, Profile
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.sensing import FrameJudge
 from pirate_sm.core.units import Dimension

@@ -9,7 +9,7 @@ from statistics import median
 from typing import NamedTuple
 
 from pirate_sm.core.geometry import GRAVITY_M_S2
-from pirate_sm.core.profile import Advice, Board, Channel
+from pirate_sm.core.models import Advice, Board, Channel
 from pirate_sm.robot.backends.serial.link.conversation import NO_SENSORS, mute
 from pirate_sm.robot.diagnosis.facts import (
     BoardFact,

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.models import Profile, Serial, SetpointTopic, StateTopic
 from pirate_sm.core.on_disk import opened
-from pirate_sm.core.profile import Profile, Serial, SetpointTopic, StateTopic
 from pirate_sm.robot.rosserial.message_types import INTEGERS, Malformed, MessageType, message_types
 
 # --- states ---------------------------------------------------------------------------------------

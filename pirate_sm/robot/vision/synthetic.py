@@ -13,7 +13,7 @@ import numpy as np
 
 from pirate_sm.core.geometry import Place, Route, inner_corner
 from pirate_sm.core.geometry import walls as walls_of
-from pirate_sm.core.profile import Body
+from pirate_sm.core.models import Body
 from pirate_sm.robot.camera import (
     Camera,
     FrameSize,

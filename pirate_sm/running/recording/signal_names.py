@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import TypeVar
 
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.units import Dimension, unit_of
 

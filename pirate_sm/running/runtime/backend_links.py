@@ -10,7 +10,7 @@ from pirate_sm.core.effects import Effect, Log
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.events import BuiltInFault, Event, FaultReport, WordWatch
 from pirate_sm.core.robot import confirmed_parts
-from pirate_sm.core.sensing import Glide
+from pirate_sm.core.sensing import Glide, Lookout
 from pirate_sm.robot.backends.protocol import Backend, Gliding
 
 # --- companions -----------------------------------------------------------------------------------
@@ -152,8 +152,8 @@ class QuietTime:
     """
 
     def __init__(self, engine: Engine, backend: Backend, companions: Sequence[Companion]) -> None:
-        self._engine = engine
         self._backend = backend if isinstance(backend, Gliding) else None
+        self._lookout = Lookout(engine) if self._backend is not None else None
         relieved = [each for each in companions if isinstance(each, Relieved)]
         self._relieved = relieved[0] if len(relieved) == 1 else None
         self._companions = tuple(companions)
@@ -169,7 +169,7 @@ class QuietTime:
             What has passed, with the companion relieved of its looks; None if nothing has.
         """
         backend = self._backend
-        watch = self._engine.watch(state) if backend is not None else None
+        watch = None if self._lookout is None else self._lookout.watch(state)
         if backend is None or watch is None:
             return None
         words = self._words(backend, state)

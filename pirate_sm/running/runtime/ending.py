@@ -10,12 +10,9 @@ from types import FrameType
 from typing import NamedTuple, Self
 
 from pirate_sm.core.effects import Ended
+from pirate_sm.core.errors import ExitCode
 
 # --- requests -------------------------------------------------------------------------------------
-
-
-OUTPUT_LOST = 141
-"""Exit code when nobody reads the output any more: 128 + SIGPIPE, as a shell shows it."""
 
 
 class Stop(NamedTuple):
@@ -127,8 +124,6 @@ class CaughtSignals:
 # --- the outcome ----------------------------------------------------------------------------------
 
 
-SUCCEEDED, FAILED, BACKEND, BUG, RECORDING_LOST, INTERRUPTED = 0, 1, 3, 4, 5, 130
-
 LINK_FAMILIES = ("backend", "link", "runner")
 """Families of fault codes about the link to the robot, not the robot itself."""
 
@@ -160,9 +155,9 @@ def exit_code(ended: Ended, fault: str, stop: Stop | None, output_lost: bool) ->
         output_lost: Whether its output could not be written.
     """
     if ended.outcome == "interrupted":
-        return stop.exit_code if stop else FAILED  # a trace that would never end
+        return stop.exit_code if stop else ExitCode.FAILED  # a trace that would never end
     if ended.outcome == "fault":
-        return BACKEND if fault.partition(".")[0] in LINK_FAMILIES else FAILED
+        return ExitCode.BACKEND if fault.partition(".")[0] in LINK_FAMILIES else ExitCode.FAILED
     if ended.outcome == "failed":
-        return FAILED
-    return OUTPUT_LOST if output_lost else SUCCEEDED
+        return ExitCode.FAILED
+    return ExitCode.OUTPUT_LOST if output_lost else ExitCode.SUCCEEDED

@@ -15,19 +15,10 @@ from typing import Protocol
 from pirate_sm.core.companion import Companion
 from pirate_sm.core.effects import Effect, Ended, Fault
 from pirate_sm.core.engine import Engine, EngineState
-from pirate_sm.core.errors import DetectorError
+from pirate_sm.core.errors import DetectorError, ExitCode
 from pirate_sm.core.events import BuiltInFault
 from pirate_sm.robot.backends.protocol import Backend
-from pirate_sm.running.runtime.ending import (
-    BACKEND,
-    BUG,
-    INTERRUPTED,
-    OUTPUT_LOST,
-    Result,
-    Stop,
-    StopRequests,
-    exit_code,
-)
+from pirate_sm.running.runtime.ending import Result, Stop, StopRequests, exit_code
 from pirate_sm.running.runtime.pump import (
     PULSE_S,
     BackendRaisedError,
@@ -223,24 +214,24 @@ class MissionRun:
         except (BackendRaisedError, DetectorError) as failure:
             error = raised_by_part(failure)
             if isinstance(error, DetectorError):
-                return self._abandon(Ended("fault", str(error)), BACKEND, error)
+                return self._abandon(Ended("fault", str(error)), ExitCode.BACKEND, error)
             message = f"the {self._name} backend failed: {described(error)}"
             stop = self._requests.stop
             if self.state is None and stop is not None:  # asked to stop while it was being opened
                 ended = Ended("interrupted", f"{stop.reason}; {message}")
                 return self._abandon(ended, stop.exit_code, error)
             fault = Fault(BACKEND_FAILED, message, "stop")
-            return self._abandon(Ended("fault", message), BACKEND, error, fault)
+            return self._abandon(Ended("fault", message), ExitCode.BACKEND, error, fault)
         except (_Insisted, KeyboardInterrupt):
             stop = self._requests.stop
             twice = " twice" if self._requests.urgent else ""
             ended = Ended("interrupted", f"interrupted{twice}, stopped immediately")
-            return self._abandon(ended, stop.exit_code if stop else INTERRUPTED)
+            return self._abandon(ended, stop.exit_code if stop else ExitCode.INTERRUPTED)
         except Exception as error:
             message = f"an internal error: {described(error)}"
-            return self._abandon(Ended("fault", message), BUG, error)
+            return self._abandon(Ended("fault", message), ExitCode.BUG, error)
         except BaseException:
-            self._abandon(Ended("interrupted", "this program was asked to exit"), BUG)
+            self._abandon(Ended("interrupted", "this program was asked to exit"), ExitCode.BUG)
             raise
         finally:
             if not kept:
@@ -282,7 +273,9 @@ class MissionRun:
     def _lose_output(self, error: OSError) -> None:
         """Ask the run to stop, because its output cannot be written any more."""
         self._output_lost = True
-        self._requests.ask(Stop(f"the output cannot be written: {error.strerror}", OUTPUT_LOST))
+        self._requests.ask(
+            Stop(f"the output cannot be written: {error.strerror}", ExitCode.OUTPUT_LOST)
+        )
 
     def _pulse(self) -> None:
         self._pulse_s = self._clock.now() + PULSE_S

@@ -270,7 +270,7 @@ class Pump:
         if passed is None:
             return
         if passed.after is not None:
-            self.state = self._engine.glided(self.state, passed.after)
+            self.state = passed.after.applied_to(self.state)
             self._heard.hear_block(passed.frames)
         self._tell_glide(passed)
         self.now_s = passed.now_s

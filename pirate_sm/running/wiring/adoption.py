@@ -15,7 +15,8 @@ from pirate_sm.checking.gate import pass_or_raise
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.errors import BackendError, UsageError
 from pirate_sm.core.events import Event, FaultReport, SensorFrame, SubmitResult
-from pirate_sm.core.loading import BY_HAND, LoadedMission
+from pirate_sm.core.generated_missions import BY_HAND
+from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.resuming import Reconciled, VerdictTable, adoptable, reconcile, unknowns
 from pirate_sm.core.robot import known_values
 from pirate_sm.robot.backends.protocol import Backend

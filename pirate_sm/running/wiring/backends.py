@@ -15,12 +15,11 @@ from typing import TYPE_CHECKING
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.errors import Hint, UsageError, not_installed
 from pirate_sm.core.loading import LoadedMission, simulated_profile
+from pirate_sm.core.models import LineFaults, Pipe
 from pirate_sm.core.options import JITTER, written
-from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.program import Wait
 from pirate_sm.core.registry import Plugin
 from pirate_sm.core.robot import at_rest_in
-from pirate_sm.core.simulation import LineFaults
 from pirate_sm.core.spelling import unknown
 from pirate_sm.core.units import DIMENSIONLESS, LENGTH
 from pirate_sm.robot import part_names

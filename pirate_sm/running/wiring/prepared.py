@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from pirate_sm.core import library
 from pirate_sm.core.companion import Companion
 from pirate_sm.core.engine import Engine
+from pirate_sm.core.events import InSpace, Truth
 from pirate_sm.core.loading import LoadedMission, LoadedRobot
+from pirate_sm.core.models import LineFaults
 from pirate_sm.core.options import GivenOptions
-from pirate_sm.core.simulation import InSpace, LineFaults, Truth
 from pirate_sm.robot.backends.trace_script import Happening
 from pirate_sm.robot.control_panel.panel_file import Panel, load_panel
 from pirate_sm.robot.control_panel.panel_reader import EndRun, PanelReader

@@ -16,12 +16,12 @@ from pirate_sm.core import library
 from pirate_sm.core.documents import LoadError, read_document, read_extended
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.errors import Hint, RecordingError, UsageError
+from pirate_sm.core.events import InSpace
 from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.on_disk import is_there
 from pirate_sm.core.resuming import DarkWay, Resumption, hypotheses
 from pirate_sm.core.robot import known_values
-from pirate_sm.core.simulation import InSpace
 from pirate_sm.robot.calibration_files import newest_calibration
 from pirate_sm.robot.camera_file import opened_by
 from pirate_sm.running.wiring import Order, Prepared, prepare

@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import RecordingError
+from pirate_sm.core.events import InSpace, Stood, Trail
 from pirate_sm.core.geometry import Place
 from pirate_sm.core.library import shown
-from pirate_sm.core.simulation import InSpace, Stood, Trail
 from pirate_sm.core.visible import visible
 from pirate_sm.running.wiring.prepared import Prepared
 

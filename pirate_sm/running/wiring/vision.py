@@ -8,8 +8,7 @@ from pathlib import Path
 
 from pirate_sm.core import library
 from pirate_sm.core.errors import Hint, UsageError, not_installed
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.core.registry import Plugin
 from pirate_sm.robot import part_names
 from pirate_sm.robot.camera import Camera, DeviceSource, RobotTags, SyntheticSource, UrlSource

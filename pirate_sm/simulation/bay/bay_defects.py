@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.simulation import Defect, Kind
+from pirate_sm.core.models import Defect, Kind
 from pirate_sm.simulation.defects import AtWork
 
 Topic = Literal["state", "echo", "setpoints"]

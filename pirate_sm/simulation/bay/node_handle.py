@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.robot.rosserial import messages
 from pirate_sm.robot.rosserial.frames import (
     FIRST_OF_THE_DEVICE,

@@ -10,8 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.robot.backends.serial.guardian.guard import (
     Action,
     Guard,

@@ -10,11 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pirate_sm.core.effects import WakeAt
-from pirate_sm.core.events import DetectorWord, FrameBlock, SensorFrame, Tick, WordWatch
+from pirate_sm.core.events import DetectorWord, FrameBlock, SensorFrame, Tick, Trail, WordWatch
 from pirate_sm.core.expressions import DEEPEST
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.sensing import Glide, Glided, MotorRequest, Step, Watch, ask
-from pirate_sm.core.simulation import Trail
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding.columns import TICK_COLUMNS, U_REPORTS
 from pirate_sm.simulation.gliding.tables import (

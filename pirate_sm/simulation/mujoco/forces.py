@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from pirate_sm.core.geometry import Vector, crossed, dot
-from pirate_sm.core.simulation import Friction
+from pirate_sm.core.models import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mujoco.model_text import BEND, LINK, OBSTACLE, WHEEL
 from pirate_sm.simulation.physics import ChainBody, QuantityLayout, StartPose

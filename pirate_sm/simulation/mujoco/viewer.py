@@ -11,7 +11,7 @@ import mujoco.viewer
 
 from pirate_sm.core.errors import Hint, UsageError
 from pirate_sm.core.geometry import Route
-from pirate_sm.core.simulation import Friction
+from pirate_sm.core.models import Friction
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import ChainBody, StartPose
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from pirate_sm.core.errors import BackendError
 from pirate_sm.core.geometry import GRAVITY_M_S2, Route, Vector
-from pirate_sm.core.simulation import Friction
+from pirate_sm.core.models import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mujoco.forces import Motors, WheelContacts
 from pirate_sm.simulation.mujoco.model_text import LINK, OBSTACLE, WHEEL, model_text

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pirate_sm.core.geometry import GRAVITY_M_S2, Piece, Route, Section, Vector, flat, walls
+from pirate_sm.core.models import Friction
 from pirate_sm.core.options import USUAL, Fidelity
-from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation import digitizing
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.machine_code import is_kept, own_call

@@ -11,8 +11,9 @@ from pirate_sm.checking.gate import pass_or_raise
 from pirate_sm.core import library
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.errors import PirateError, UsageError
-from pirate_sm.core.loading import LoadedMission, by_hand, load_pipe, load_robot, with_fitted
-from pirate_sm.core.simulation import SIMULATORS
+from pirate_sm.core.generated_missions import by_hand
+from pirate_sm.core.loading import LoadedMission, load_pipe, load_robot, with_fitted
+from pirate_sm.core.models import SIMULATORS
 from pirate_sm.robot.detectors.registry import speaks_of_bends
 from pirate_sm.running.wiring import Order, chosen, fit_of, load
 from pirate_sm.views.console import availability

@@ -20,10 +20,10 @@ from textual.widgets import Footer
 
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import RecordingError
+from pirate_sm.core.events import InSpace, Truth
 from pirate_sm.core.geometry import Place, drawn_walls
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.palette import USUAL, Theme
-from pirate_sm.core.simulation import InSpace, Truth
 from pirate_sm.running.recording.format.engine_topics import Placed
 from pirate_sm.running.recording.read.pieces import Checkpoint, Gap, with_own_times
 from pirate_sm.running.recording.read.places import recorded_places

@@ -17,9 +17,10 @@ from typing import Any
 from pirate_sm.core.companion import entered
 from pirate_sm.core.effects import Effect, Ended, Log
 from pirate_sm.core.engine import EngineState
+from pirate_sm.core.errors import ExitCode
 from pirate_sm.core.events import Answer, Event, GoTo
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.running.runtime.ending import BUG, BY_SIGNAL, Result, Stop, StopRequests
+from pirate_sm.running.runtime.ending import BY_SIGNAL, Result, Stop, StopRequests
 from pirate_sm.running.runtime.loop import Clock, MissionRun, WallClock
 from pirate_sm.running.runtime.pump import Resuming
 from pirate_sm.running.runtime.scripted_events import Answered, FirstChoice, LoopWatch
@@ -401,7 +402,7 @@ class OperatorSession:
                 self._run_all()
         except Exception as error:
             message = f"an internal error: {type(error).__name__}: {error}"
-            self.result = Result(Ended("fault", message), BUG, self.latest.now_s, error)
+            self.result = Result(Ended("fault", message), ExitCode.BUG, self.latest.now_s, error)
         finally:
             self.prepared.backend.close()
             self._bridge.end(self.latest.now_s)

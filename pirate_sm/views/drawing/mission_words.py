@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from pirate_sm.core import mission as model
+from pirate_sm.core import models as model
 from pirate_sm.core.fields import Parameter
-from pirate_sm.core.mission import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
+from pirate_sm.core.models import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
 from pirate_sm.views.drawing.wrapping import INDENT
 
 

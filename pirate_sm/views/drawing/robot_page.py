@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias, assert_never
 
 from pirate_sm import __version__
 from pirate_sm.core.loading import ChartOutline, LoadedRobot, reach
-from pirate_sm.core.profile import (
+from pirate_sm.core.models import (
     Command,
     Control,
     Duty,

@@ -11,7 +11,7 @@ from pirate_sm.core.documents import Path
 from pirate_sm.core.documents import Place as FilePlace
 from pirate_sm.core.geometry import Place, span_m
 from pirate_sm.core.loading import LoadedRobot, reach
-from pirate_sm.core.profile import (
+from pirate_sm.core.models import (
     Board,
     Duty,
     HeldTorque,

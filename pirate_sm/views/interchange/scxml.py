@@ -21,10 +21,10 @@ from typing import Final
 from xml.etree import ElementTree as Xml
 from xml.parsers import expat
 
-from pirate_sm.core import mission as model
+from pirate_sm.core import models as model
 from pirate_sm.core.documents import LoadError, Place, Problem
 from pirate_sm.core.loading import TIME_LIMIT, ChartOutline, StateNode, trigger_names
-from pirate_sm.core.mission import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
+from pirate_sm.core.models import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
 from pirate_sm.views.drawing.mission_words import amount, short, step_lines
 
 # --- elements that are read ---------------------------------------------------------------------

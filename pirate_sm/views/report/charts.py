@@ -13,8 +13,8 @@ from itertools import compress, count, groupby
 from math import degrees, isnan, nan
 from operator import ne
 
-from pirate_sm.core.profile import Profile
-from pirate_sm.core.profile import signals as kinds
+from pirate_sm.core.models import Profile
+from pirate_sm.core.models import signals as kinds
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.running.recording.signal_names import current_signals
 from pirate_sm.views.report.contents import Chart, Series

@@ -9,11 +9,10 @@ from math import degrees
 from typing import Literal, NamedTuple
 
 from pirate_sm.core.engine import EngineState
+from pirate_sm.core.events import InSpace
 from pirate_sm.core.geometry import Frame, Place, Route, RouteJoint, drawn_walls
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.core.robot import RobotSpec, confirmed_parts
-from pirate_sm.core.simulation import InSpace
 from pirate_sm.running.recording.signal_names import add_evenly
 from pirate_sm.running.recording.viewers.pipe_walls import (
     outlines,

@@ -15,8 +15,8 @@ from pirate_sm.core.engine import EngineState
 from pirate_sm.core.events import Event, SensorFrame
 from pirate_sm.core.geometry import drawn_walls
 from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.models import SIMULATORS
 from pirate_sm.core.options import JITTER
-from pirate_sm.core.simulation import SIMULATORS
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording

@@ -14,7 +14,7 @@ from typing import Literal, TypeAlias
 
 from pirate_sm import __version__
 from pirate_sm.core import effects as fx
-from pirate_sm.core.simulation import SIMULATORS
+from pirate_sm.core.models import SIMULATORS
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.views.report.report_page import SIGNS, page_style

@@ -9,10 +9,10 @@ from textwrap import wrap
 from rich.text import Text
 
 from pirate_sm.core.effects import Ended
+from pirate_sm.core.models import SIMULATORS
 from pirate_sm.core.program import Question, SwitchControl, Wait
 from pirate_sm.core.robot import STOPPED, state_change
 from pirate_sm.core.sensing import JOINT
-from pirate_sm.core.simulation import SIMULATORS
 from pirate_sm.views.showing.alarms import outcome_word
 from pirate_sm.views.showing.effect_lines import shortened
 from pirate_sm.views.showing.picture import SIDES, pose_of

@@ -13,9 +13,9 @@ from itertools import pairwise
 from math import atan2, cos, degrees, dist, floor, hypot, inf, isnan, log, pi, sin
 from typing import NamedTuple
 
+from pirate_sm.core.events import Truth
 from pirate_sm.core.geometry import Place, Route, RouteJoint, Vector, Walls
 from pirate_sm.core.robot import confirmed_parts
-from pirate_sm.core.simulation import Truth
 from pirate_sm.running.recording.viewers.pipe_walls import clock_rad, unrolled, unrolled_walls
 from pirate_sm.views.drawing.canvas import ACROSS, DOWN, Canvas
 from pirate_sm.views.showing.robot_anatomy import Anatomy

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from pirate_sm.core.expressions import tree
-from pirate_sm.core.profile import Profile, Slot
-from pirate_sm.core.profile import signals as kinds
+from pirate_sm.core.models import Profile, Slot
+from pirate_sm.core.models import signals as kinds
 from pirate_sm.core.robot import RobotSpec
 
 

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pirate_sm.core import effects as fx
 from pirate_sm.core.engine import Engine, EngineState, Evidence
+from pirate_sm.core.events import Truth
+from pirate_sm.core.generated_missions import BY_HAND
 from pirate_sm.core.geometry import Route
-from pirate_sm.core.loading import BY_HAND, TIME_LIMIT, LoadedMission
+from pirate_sm.core.loading import TIME_LIMIT, LoadedMission
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.core.simulation import Truth
 from pirate_sm.running.wiring import Prepared
 from pirate_sm.views.showing.effect_lines import EffectLine, Teller
 from pirate_sm.views.showing.robot_anatomy import Anatomy, anatomy_of

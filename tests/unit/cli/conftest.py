@@ -21,7 +21,7 @@ NEWT = ROOT / "tests" / "robots" / "newt"
 @pytest.fixture
 def pirate_run() -> Callable[..., Result]:
     """Calls `pirate-run` in this process; standard output is no terminal."""
-    return lambda *arguments: CliRunner().invoke(only_run, [str(each) for each in arguments])
+    return lambda *arguments: CliRunner().invoke(only_run(), [str(each) for each in arguments])
 
 
 @pytest.fixture

@@ -13,8 +13,7 @@ from pirate_sm.core._geometry.network import Mitre, Straight, planar
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.geometry import Network, Route, dot
 from pirate_sm.core.loading import validate
-from pirate_sm.core.profile import Profile
-from pirate_sm.core.simulation import Friction
+from pirate_sm.core.models import Friction, Profile
 from pirate_sm.simulation.electronics import Electronics, routes_of, sensors_of
 from pirate_sm.simulation.physics import ChainBody, MakePhysics, Physics, QuantityLayout, chain_of
 from pirate_sm.simulation.start_pose import stand

@@ -11,9 +11,7 @@ from pirate_sm.core._model.pipe_runs import Mitre
 from pirate_sm.core.errors import BackendError, UsageError
 from pirate_sm.core.events import Event, FaultReport, SensorFrame, SubmitResult
 from pirate_sm.core.loading import load_robot
-from pirate_sm.core.pipe import Pipe, Straight
-from pirate_sm.core.profile import Profile
-from pirate_sm.core.simulation import Defect
+from pirate_sm.core.models import Defect, Pipe, Profile, Straight
 from pirate_sm.simulation.backend import SimulatorBackend
 from pirate_sm.simulation.surroundings import Jitter
 

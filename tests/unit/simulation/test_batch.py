@@ -14,8 +14,7 @@ import pytest
 from pirate_sm import UsageError
 from pirate_sm.core._model.pipe import Attitude, Blockage, Start
 from pirate_sm.core._model.pipe_runs import Elbow, Mitre
-from pirate_sm.core.pipe import Pipe, Straight, Turns
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile, Straight, Turns
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.batch import Batch
 from pirate_sm.simulation.gliding import columns as col

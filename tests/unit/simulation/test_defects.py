@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.profile import Profile
-from pirate_sm.core.simulation import Defect
+from pirate_sm.core.models import Defect, Profile
 from pirate_sm.simulation.acting_defect import ActingDefect
 from pirate_sm.simulation.defects import drawn, named, put_to_work
 from pirate_sm.simulation.xpbd import columns

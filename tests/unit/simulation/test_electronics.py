@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 
 from .conftest import Driver, straight
 

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.simulation.physics import chain_of
 
 

@@ -9,8 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from pirate_sm.core._model.pipe_runs import Patch
-from pirate_sm.core.pipe import Pipe, Straight, Turns
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile, Straight, Turns
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.simulated_robot import SimulatedRobot

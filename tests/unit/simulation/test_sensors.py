@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 
 from pirate_sm.core._model.robot.signals import TorqueOf
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.simulation.electronics import scale_of, sensors_of
 from pirate_sm.simulation.physics import chain_of
 

@@ -6,9 +6,7 @@ import pytest
 from pirate_sm.core._model.pipe import Blockage, Start
 from pirate_sm.core._model.pipe_runs import Mitre
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.pipe import Pipe, Straight
-from pirate_sm.core.profile import Profile
-from pirate_sm.core.simulation import Friction
+from pirate_sm.core.models import Friction, Pipe, Profile, Straight
 from pirate_sm.simulation.physics import ChainBody
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter, Surroundings, surroundings_of
 

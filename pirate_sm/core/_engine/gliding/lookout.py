@@ -13,8 +13,9 @@ from functools import lru_cache
 from math import inf, isnan, nan
 
 from pirate_sm.core._engine.consequences import deadline_s, listening_s
+from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._engine.gliding.quiet_frames import Condition, SameDuty, Watch
-from pirate_sm.core._engine.mission.program import Do, Program, Question, SwitchControl, Wait
+from pirate_sm.core._engine.mission.program import Do, Question, SwitchControl, Wait
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.done_criteria import (
@@ -211,21 +212,30 @@ class Lookout:
     What it has found is remembered, because most of it stays the same for long.
 
     Args:
-        robot: The robot.
-        program: The mission.
+        engine: The engine.
     """
 
-    def __init__(self, robot: RobotSpec, program: Program) -> None:
-        self._robot = robot
-        self._program = program
-        self._codes = _codes_of(robot)
-        self._moment = Moment(robot, program, nominal=False, now_s=0.0)
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._robot = engine.robot
+        self._program = engine.program
+        self._codes = _codes_of(engine.robot)
+        self._moment = Moment(engine.robot, engine.program, nominal=False, now_s=0.0)
         self._last: tuple[EngineState, Watch, float] | None = None
         self._records: tuple[BoardMemory, ...] = ()
         self._believed = True
 
     def watch(self, state: EngineState) -> Watch | None:
-        """Return what must stay true; None where every frame must go through the engine."""
+        """Return what must stay true so that frames of the boards change nothing but signals.
+
+        A backend may then take such frames for the engine, see :meth:`Glided.applied_to`.
+
+        Returns:
+            What must stay true; None where every frame must go through the engine.
+        """
+        engine = self._engine
+        if engine.nominal or engine.follows_slip(state) or state.mission.ended:
+            return None
         records = state.sensing.records
         if records is not self._records:
             self._records, self._believed = records, _believed(self._robot, records)

@@ -11,6 +11,7 @@ from pirate_sm.core._engine.records import Numbers, often_replaced
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.environment import Surveyed
 from pirate_sm.core._engine.sensing.known_signals import Sensing
+from pirate_sm.core._engine.state import EngineState
 from pirate_sm.core._expressions.compiler import Code
 from pirate_sm.core._model.effects import Effect
 from pirate_sm.core._model.events import Event, FrameBlock, SensorFrame
@@ -122,6 +123,13 @@ class Glided(NamedTuple):
     surveyed: Surveyed
     wake_at_s: float
     word_until_s: float
+
+    def applied_to(self, state: EngineState) -> EngineState:
+        """Return the state after these frames, which left true what was watched.
+
+        It is the state that the engine returns after the same frames, which have no effects.
+        """
+        return state._replace(**self._asdict())
 
 
 Step: TypeAlias = tuple[float, Event, tuple[Effect, ...]]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import compress
-from math import acos, degrees, hypot, inf, nan
+from math import inf, nan
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.moment import has_come
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.resuming.hypotheses import DarkWay, Hypothesis, dark_way, hypotheses
+from pirate_sm.core._engine.resuming.hypotheses import Hypothesis, hypotheses
 from pirate_sm.core._engine.robot.declared_states import Watched, declared_in, since
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
@@ -18,7 +18,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     DENIED,
     STOPPED,
     Mark,
-    Marks,
     RobotState,
     at_rest_in,
     states_of,
@@ -34,6 +33,7 @@ from pirate_sm.core._engine.robot.state_verdicts import (
 from pirate_sm.core._engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.core._engine.sensing.signal_table import forget_stale, observe
 from pirate_sm.core._engine.state import OUTSIDE, EngineState
+from pirate_sm.core._engine.unwatched import DarkWay, changed, dark_way
 from pirate_sm.core._model.events import SensorFrame
 
 Frames: TypeAlias = Sequence[tuple[float, SensorFrame]]
@@ -259,35 +259,6 @@ def turning(robot: RobotSpec, numbers: Numbers) -> bool:
     )
 
 
-def changed(robot: RobotSpec, was: Numbers, marks: Marks, numbers: Numbers) -> Iterator[str]:
-    """Yield what a robot at rest does not change by itself: its attitude, its clamped joints.
-
-    Args:
-        robot: The robot.
-        was: Signals as they were, SI.
-        marks: The marks; the joints of a part that is declared to hold are compared.
-        numbers: Signals now, SI.
-    """
-    dark = robot.sight.dark
-    tilt = _tilt_rad(robot, was, numbers)
-    if tilt > dark.tilt_rad:
-        yield (
-            f"the robot lies {degrees(tilt):z.0f} deg otherwise than before, "
-            f"limit {degrees(dark.tilt_rad):z.0f} deg"
-        )
-    for part in sorted(m.which for m in marks if m.kind == "part" and m.command == DECLARED):
-        spec = robot.sight.parts[part] if robot.sight.parts else None
-        for joint in () if spec is None else spec.joints:
-            angle = robot.slots[joint.slot].angle
-            off = abs(numbers[angle] - was[angle])
-            if off > dark.joint_rad:
-                yield (
-                    f"{robot.vocabulary.numbers[angle]} of the {robot.parts[part]} part shows "
-                    f"{degrees(numbers[angle]):z.1f} deg, before {degrees(was[angle]):z.1f} deg, "
-                    f"limit {degrees(dark.joint_rad):z.0f} deg off"
-                )
-
-
 # --- a robot that nobody has recorded ---------------------------------------------------------
 
 
@@ -351,19 +322,6 @@ def _silent(robot: RobotSpec, frames: Frames, now_s: float) -> Iterator[str]:
     for number, board in robot.boards.items():
         if not now_s - heard.get(number, -inf) < robot.link.stale_after_s:
             yield f"board {number} ({board.module}) does not report"
-
-
-def _tilt_rad(robot: RobotSpec, was: Numbers, now: Numbers) -> float:
-    """Return the angle between the recorded direction of gravity and that of now; NaN unknown."""
-    for board in robot.boards.values():
-        for sources in board.vectors:
-            before = [was[source] for source in sources]
-            after = [now[source] for source in sources]
-            size = hypot(*before) * hypot(*after)
-            if size > 0:
-                dot = sum(a * b for a, b in zip(before, after, strict=True)) / size
-                return acos(max(-1.0, min(1.0, dot)))
-    return nan
 
 
 def _choose(

@@ -21,7 +21,7 @@ from pirate_sm.core._engine.mission.program import (
     Wait,
 )
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.resuming.hypotheses import DarkWay, Hypothesis, odometry_m
+from pirate_sm.core._engine.resuming.hypotheses import Hypothesis
 from pirate_sm.core._engine.resuming.reconciling import VerdictTable
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
@@ -36,6 +36,7 @@ from pirate_sm.core._engine.robot.state_verdicts import kind_of
 from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.sensing.known_signals import DistanceMemory, nothing_known
 from pirate_sm.core._engine.state import Counted, EngineState
+from pirate_sm.core._engine.unwatched import DarkWay, odometry_m
 
 FAILURE = "failure"
 """Go on where a failure of the present step leads."""

@@ -14,8 +14,6 @@ from pirate_sm.core._engine.mission import flow
 from pirate_sm.core._engine.mission.flow import end, meet
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.resuming.hypotheses import dark_way, denied, unproven
-from pirate_sm.core._engine.resuming.reconciling import changed
 from pirate_sm.core._engine.robot import commands, declared_states, robot_state
 from pirate_sm.core._engine.robot.command_outcome import doubt_grip
 from pirate_sm.core._engine.robot.declared_states import Before, LookResult
@@ -23,6 +21,7 @@ from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import DECLARED, STOPPED, Mark, confirmed_parts
 from pirate_sm.core._engine.safety.faults import FoundFault
 from pirate_sm.core._engine.state import EngineState
+from pirate_sm.core._engine.unwatched import changed, dark_way, denied, unproven
 from pirate_sm.core._model.effects import CommandStatus, Ended, Fault
 from pirate_sm.core._model.events import EVIDENCE_ENDS, FaultReport
 from pirate_sm.core._model.faults import BuiltInFault

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from pirate_sm.core.errors import not_installed
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.robot.backends.serial.guardian.guard import Instructions

@@ -29,8 +29,8 @@ from pydantic_core import to_json
 
 from pirate_sm.core import effects as fx
 from pirate_sm.core import events
+from pirate_sm.core.events import InSpace, Rows
 from pirate_sm.core.geometry import Place
-from pirate_sm.core.simulation import InSpace, Rows
 from pirate_sm.running.recording.format.json_values import (
     NUMBER,
     WHOLE,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import inf, nan
 
-from pirate_sm.core.profile import Body
+from pirate_sm.core.models import Body
 from pirate_sm.running.recording.format.engine_topics import SAMPLES, Placed, decode_samples
 from pirate_sm.running.recording.read.reader import NS_PER_S, Recording
 from pirate_sm.running.recording.viewers.viewer_messages import PLACES, rolls_of, space_of

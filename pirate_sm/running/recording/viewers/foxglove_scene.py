@@ -12,8 +12,7 @@ from math import atan2, cos, dist, hypot, sin
 from typing import Any, NamedTuple
 
 from pirate_sm.core.geometry import Piece, Route, Vector, combined, crossed, dot, flat, walls
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Body
+from pirate_sm.core.models import Body, Pipe
 from pirate_sm.running.recording.viewers.pipe_walls import Ring, Rings, unit, walls_in_space
 from pirate_sm.running.recording.viewers.transforms import PIPE, Quaternion, of_axes
 

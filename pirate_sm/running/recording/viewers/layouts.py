@@ -13,8 +13,8 @@ from typing import Any, NamedTuple, TypeAlias
 from xml.etree import ElementTree as Xml
 
 from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.models import signals as kinds
 from pirate_sm.core.palette import CURVES, EITHER
-from pirate_sm.core.profile import signals as kinds
 from pirate_sm.running.recording.signal_names import current_signals, signal_names, slot_names
 from pirate_sm.running.recording.viewers.transforms import PIPE
 

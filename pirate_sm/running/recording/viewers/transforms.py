@@ -13,6 +13,7 @@ from itertools import pairwise
 from math import atan2, cos, isfinite, sin, sqrt
 from typing import Any, Literal, NamedTuple
 
+from pirate_sm.core.events import InSpace
 from pirate_sm.core.geometry import (
     DRAWING,
     Frame,
@@ -24,8 +25,7 @@ from pirate_sm.core.geometry import (
     crossed,
     dot,
 )
-from pirate_sm.core.profile import Body
-from pirate_sm.core.simulation import InSpace
+from pirate_sm.core.models import Body
 from pirate_sm.running.recording.viewers.pipe_walls import part_normals, seen_in, unit, upright
 
 # --- in a plane -----------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree as Xml
 
-from pirate_sm.core.profile import Body, Link, Profile
+from pirate_sm.core.models import Body, Link, Profile
 
 
 def urdf(profile: Profile) -> str:

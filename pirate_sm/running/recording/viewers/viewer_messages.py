@@ -18,13 +18,12 @@ from typing import Any, NamedTuple
 from pirate_sm.core import effects as fx
 from pirate_sm.core.effects import Level
 from pirate_sm.core.engine import EngineState
+from pirate_sm.core.events import InSpace
 from pirate_sm.core.expressions import EnumType
 from pirate_sm.core.geometry import Place, drawn_walls
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.pipe import Pipe, Straight
-from pirate_sm.core.profile import Body, Profile
+from pirate_sm.core.models import Body, Pipe, Profile, Straight
 from pirate_sm.core.robot import USUAL, RobotSpec, confirmed_parts
-from pirate_sm.core.simulation import InSpace
 from pirate_sm.robot.detectors.dead_reckoning import Reckoned, Reckoner
 from pirate_sm.robot.detectors.vision_detector import CameraView
 from pirate_sm.running.recording.format.engine_topics import DIALECT, rounded

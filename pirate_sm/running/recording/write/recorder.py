@@ -14,10 +14,9 @@ from time import perf_counter
 
 from pirate_sm.core.effects import Effect
 from pirate_sm.core.engine import EngineState
-from pirate_sm.core.events import Event
+from pirate_sm.core.events import Event, Trail
 from pirate_sm.core.resuming import AS_DECLARED, Beginning
 from pirate_sm.core.sensing import Glide
-from pirate_sm.core.simulation import Trail
 from pirate_sm.running.recording.format.engine_topics import Abandoned, Input, Started, Topics
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.format.json_values import body_to_text, resumption_to_text

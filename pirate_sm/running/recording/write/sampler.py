@@ -12,7 +12,7 @@ from itertools import islice
 from math import inf
 from typing import Generic, Protocol, TypeAlias, TypeVar
 
-from pirate_sm.core.simulation import Stood, Trail
+from pirate_sm.core.events import Stood, Trail
 from pirate_sm.running.recording.format.engine_topics import (
     SAMPLES,
     SAMPLES_SCHEMA,

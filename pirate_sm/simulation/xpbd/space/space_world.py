@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from pirate_sm.core.geometry import GRAVITY_M_S2, Route, Vector
+from pirate_sm.core.models import Friction
 from pirate_sm.core.options import USUAL, Fidelity
-from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.physics import ChainBody, StartPose
 from pirate_sm.simulation.start_pose import lying, normals_of

@@ -12,7 +12,7 @@ from math import degrees
 from pirate_sm.core.errors import PirateError
 from pirate_sm.core.geometry import BRANCH, ON, port_of
 from pirate_sm.core.loading import ChartOutline, ChartTransition
-from pirate_sm.core.pipe import Pipe, PipeRun, Straight
+from pirate_sm.core.models import Pipe, PipeRun, Straight
 from pirate_sm.views.drawing.wrapping import wrapped
 
 # --- graphs -------------------------------------------------------------------------------------

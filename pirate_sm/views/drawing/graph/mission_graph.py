@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pirate_sm.core import library
-from pirate_sm.core import mission as model
+from pirate_sm.core import models as model
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.loading import validate
 from pirate_sm.views.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind

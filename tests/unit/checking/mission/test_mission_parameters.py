@@ -9,7 +9,7 @@ from pirate_sm.checking.mission.mission_parameters import unused_in
 from pirate_sm.core import library
 from pirate_sm.core.documents import parse_document, read_document
 from pirate_sm.core.loading import validate
-from pirate_sm.core.mission import Mission
+from pirate_sm.core.models import Mission
 
 from ..robots import NEWT, ROOT
 

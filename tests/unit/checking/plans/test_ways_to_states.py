@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.plans import way_to
-from pirate_sm.core.loading import by_hand, load_robot, read_states
+from pirate_sm.core.generated_missions import by_hand
+from pirate_sm.core.loading import load_robot, read_states
 from pirate_sm.core.robot import at_rest_in, states_of
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -64,7 +64,7 @@ def test_every_finding_with_a_course_of_events_is_written_and_runs_into_it() -> 
     assert [each.code for each in findings] == ["step.impossible", "step.unneeded"]
     assert len({each.example for each in findings}) == 2
     for finding in findings:
-        result = CliRunner().invoke(only_run, [*command(finding), "--plain"])
+        result = CliRunner().invoke(only_run(), [*command(finding), "--plain"])
         line = f"{finding.place.line}:{finding.place.column}"
         reason = "impossible" if finding.code == "step.impossible" else "unneeded"
         assert result.exit_code == 1

@@ -31,7 +31,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> bytes:
         patch.setattr(recorder, "CHECKPOINT_S", 2.0)
         patch.setattr(recorder, "_HELP_AT", 50)
         patch.setattr(recorder, "_MOST_STEPS", 200)
-        CliRunner().invoke(only_run, ["mitre_bend", "--quiet", "--record", str(path)])
+        CliRunner().invoke(only_run(), ["mitre_bend", "--quiet", "--record", str(path)])
     return path.read_bytes()
 
 
@@ -118,7 +118,7 @@ def test_a_state_that_differs_without_an_effect_is_reported(pirate: Any, tmp_pat
         patch.setattr(recorder, "CHECKPOINT_S", 2.0)
         patch.setattr(piece_maker, "state_to_text", lambda it: right(it._replace(wake_at_s=1e6)))
         path = tmp_path / "other.mcap"
-        CliRunner().invoke(only_run, ["mitre_bend", "--quiet", "--record", str(path)])
+        CliRunner().invoke(only_run(), ["mitre_bend", "--quiet", "--record", str(path)])
     result = pirate("replay", path)
 
     assert result.exit_code == 1

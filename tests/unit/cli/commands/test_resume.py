@@ -49,7 +49,7 @@ def cut(cut_off: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path
 
 
 def resume(*options: object) -> Result:
-    return CliRunner().invoke(only_run, ["--resume", *map(str, options)])
+    return CliRunner().invoke(only_run(), ["--resume", *map(str, options)])
 
 
 def test_a_look_says_where_it_was_and_what_is_seen(cut: Path) -> None:
@@ -92,7 +92,7 @@ def test_options_that_the_recording_has_are_refused_all_at_once(cut: Path) -> No
 
 @pytest.mark.parametrize("option", ["--look", "--accept", "--at=pass"])
 def test_its_options_need_a_recording(option: str) -> None:
-    result = CliRunner().invoke(only_run, ["mitre_bend", option])
+    result = CliRunner().invoke(only_run(), ["mitre_bend", option])
 
     assert result.exit_code == 2
     assert f"{option.partition('=')[0]}: only together with --resume" in result.stderr
@@ -208,7 +208,7 @@ def test_a_file_that_is_no_recording(tmp_path: Path) -> None:
 
 
 def test_neither_a_mission_nor_a_recording() -> None:
-    result = CliRunner().invoke(only_run, [])
+    result = CliRunner().invoke(only_run(), [])
 
     assert result.exit_code == 2
     assert "name a MISSION, or a recording with --resume" in result.stderr

@@ -28,7 +28,7 @@ from pirate_sm.running.wiring import BACKENDS
 
 from ..conftest import NEWT, ROOT
 
-PIRATE, PIRATE_RUN = (typer.main.get_command(each) for each in (entry.commands, entry.only_run))
+PIRATE, PIRATE_RUN = (typer.main.get_command(each) for each in (entry.commands, entry.only_run()))
 BREAKS = " \t\n\"'><=;|&(:"
 MISSION = "mission: mine\nrobot: pirate_ii\nstart: a\ndescription: of my own\nphases: {a: {}}\n"
 

@@ -19,9 +19,7 @@ from pirate_sm.core._model import quantities
 from pirate_sm.core._model.robot.actuation import SlotSetpoint
 from pirate_sm.core.documents import Problems, parse_document
 from pirate_sm.core.loading import outline_chart
-from pirate_sm.core.mission import Mission
-from pirate_sm.core.pipe import PipeFile
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Mission, PipeFile, Profile
 
 from .shipped import OF_NEWT, SHIPPED, complaints, data_of, validator
 

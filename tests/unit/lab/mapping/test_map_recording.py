@@ -17,8 +17,7 @@ from pirate_sm.core.documents import parse_document
 from pirate_sm.core.effects import Setpoints, StateChange
 from pirate_sm.core.events import DetectorWord, SensorFrame, SubmitResult
 from pirate_sm.core.loading import load_robot, validate
-from pirate_sm.core.pipe import Pipe, Straight
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile, Straight
 from pirate_sm.lab.mapping.legs import Map
 from pirate_sm.lab.mapping.mapper import mapped
 from pirate_sm.lab.mapping.pipe_text import pipe_text

@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.core._model.pipe_runs import Elbow, InlineTee, Mitre, Reducer
 from pirate_sm.core.documents import Problems, parse_document
 from pirate_sm.core.loading import check_pipe, validate
-from pirate_sm.core.pipe import Pipe, Straight
+from pirate_sm.core.models import Pipe, Straight
 from pirate_sm.lab.mapping.legs import Bore, Leg, Map, MappedBend
 from pirate_sm.lab.mapping.pipe_text import pipe_text
 

@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.core._engine.sensing.body_spec import Vee
 from pirate_sm.core._model.pipe_runs import Mitre
-from pirate_sm.core.pipe import Pipe, Straight
+from pirate_sm.core.models import Pipe, Straight
 from pirate_sm.core.sensing import BodySpec
 from pirate_sm.robot.detectors.dead_reckoning import Felt, Reckoned, Reckoner
 

@@ -17,7 +17,7 @@ from pirate_sm.core.engine import Engine
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import DetectorWord, Event, FaultReport
 from pirate_sm.core.geometry import DRAWING, ChainInSpace
-from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.models import Pipe
 from pirate_sm.core.robot import Mark, RobotSpec, confirmed_parts
 from pirate_sm.robot.detectors.dead_reckoning import AnchorSpot, Felt, Reckoned, Shape
 from pirate_sm.robot.detectors.odometry_detector import Odometry

@@ -6,7 +6,7 @@ from math import isnan, nan, pi
 
 import pytest
 
-from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.models import Pipe
 from pirate_sm.robot.detectors.route_report import RouteReport
 
 PLACES = (0.6, 0.5, 0.4, 0.3, 0.2, 0.1)

@@ -8,7 +8,7 @@ from statistics import mean, stdev
 import pytest
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.simulation import RulerSettings
+from pirate_sm.core.models import RulerSettings
 from pirate_sm.robot.detectors.simple_detectors import Ruler
 from pirate_sm.running.wiring import Order, prepare
 

@@ -10,7 +10,7 @@ import pytest
 from pirate_sm.core._model.pipe_runs import Mitre
 from pirate_sm.core.events import SeenMark, Sighting
 from pirate_sm.core.geometry import DRAWING, ChainInSpace, Pose, inner_corner
-from pirate_sm.core.pipe import Pipe, Straight
+from pirate_sm.core.models import Pipe, Straight
 from pirate_sm.core.sensing import BodySpec
 from pirate_sm.robot.detectors.dead_reckoning import Reckoned
 from pirate_sm.robot.detectors.vision_detector import OneMarker, SeenWheels, Tags

@@ -13,9 +13,15 @@ import pytest
 
 from pirate_sm.core.effects import Detected, Ended, Log
 from pirate_sm.core.engine import Engine
-from pirate_sm.core.events import DetectorWord, FaultReport, OutsideNumber, SeenMark, Sighting
+from pirate_sm.core.events import (
+    DetectorWord,
+    FaultReport,
+    OutsideNumber,
+    SeenMark,
+    Sighting,
+    Truth,
+)
 from pirate_sm.core.geometry import DRAWING, ChainInSpace, inner_corner, walls
-from pirate_sm.core.simulation import Truth
 from pirate_sm.robot.detectors.dead_reckoning import Reckoned
 from pirate_sm.robot.detectors.odometry_detector import Odometry
 from pirate_sm.robot.detectors.vision_detector import CameraSight, OneMarker, SeenWheels, Tags

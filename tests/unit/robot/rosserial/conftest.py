@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.core.loading import load_robot
-from pirate_sm.core.profile import Serial
+from pirate_sm.core.models import Serial
 from pirate_sm.robot.rosserial.messages import Messages, read_messages, serial_of
 
 SIX_WHEELED = Path(__file__).resolve().parents[4] / "hardware_profiles" / "pirate_ii"

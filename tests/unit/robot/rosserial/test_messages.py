@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.profile import Serial, SetpointTopic, StateTopic
+from pirate_sm.core.models import Serial, SetpointTopic, StateTopic
 from pirate_sm.robot.rosserial.message_types import Malformed
 from pirate_sm.robot.rosserial.messages import (
     Array,

@@ -9,7 +9,7 @@ import pytest
 
 from pirate_sm.core.companion import Companion
 from pirate_sm.core.effects import Effect, Ended, TriggerFired
-from pirate_sm.running.runtime.ending import FAILED
+from pirate_sm.core.errors import ExitCode
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import Firing, FirstChoice, TriggerScript
 from pirate_sm.running.wiring import Order, prepare
@@ -173,7 +173,7 @@ def test_a_polling_loop_ends_where_it_comes_back_to_the_same_situation(tmp_path:
 
     assert played.ended.outcome == "interrupted"
     assert "situation in which it has been before" in played.ended.message
-    assert played.exit_code == FAILED
+    assert played.exit_code == ExitCode.FAILED
     assert [name for _, name in played.fired] == ["again"]
 
 
@@ -193,5 +193,5 @@ phases:
 """
     played = play(tmp_path, body)
 
-    assert played.exit_code == FAILED
+    assert played.exit_code == ExitCode.FAILED
     assert "situation in which it has been before" in played.ended.message

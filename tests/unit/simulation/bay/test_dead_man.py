@@ -6,8 +6,7 @@ import struct
 
 import pytest
 
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay
 

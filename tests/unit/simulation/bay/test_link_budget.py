@@ -7,8 +7,7 @@ from statistics import median
 
 import pytest
 
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay
 

@@ -19,8 +19,7 @@ from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import commands
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.robot.rosserial.frames import encode
 from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.firmware import Record

@@ -9,8 +9,7 @@ import pytest
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import validate
-from pirate_sm.core.pipe import Pipe
-from pirate_sm.core.profile import Profile, Serial
+from pirate_sm.core.models import Pipe, Profile, Serial
 from pirate_sm.robot.rosserial.frames import encode
 from pirate_sm.robot.rosserial.messages import Array
 from pirate_sm.simulation.bay.bay_defects import Switches

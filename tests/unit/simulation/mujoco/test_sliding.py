@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pirate_sm.core.geometry import GRAVITY_M_S2, Route
-from pirate_sm.core.simulation import Friction
+from pirate_sm.core.models import Friction
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import ChainBody, QuantityLayout
 from pirate_sm.simulation.start_pose import stand

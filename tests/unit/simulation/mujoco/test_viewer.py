@@ -8,7 +8,7 @@ from viewer_window import Window
 
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.geometry import Route
-from pirate_sm.core.simulation import Friction
+from pirate_sm.core.models import Friction
 from pirate_sm.simulation.mujoco.viewer import WatchedWorld
 from pirate_sm.simulation.physics import ChainBody
 from pirate_sm.simulation.start_pose import stand

@@ -10,8 +10,7 @@ import pytest
 
 from pirate_sm.core.errors import BackendError, UsageError
 from pirate_sm.core.geometry import Route
-from pirate_sm.core.profile import Profile
-from pirate_sm.core.simulation import Friction
+from pirate_sm.core.models import Friction, Profile
 from pirate_sm.simulation.mujoco.model_text import model_text
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import ChainBody, chain_of

@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.core._geometry.network import Mitre, Reducer, Straight, planar
 from pirate_sm.core.geometry import Network, Vector
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.simulation.physics import PER_WHEEL, SINGLE, chain_of
 from pirate_sm.simulation.xpbd import columns as plane
 from pirate_sm.simulation.xpbd.space import columns

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from pirate_sm.core.profile import Profile
+from pirate_sm.core.models import Profile
 from pirate_sm.simulation.physics import PER_WHEEL, SINGLE, chain_of
 from pirate_sm.simulation.xpbd import columns
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from pirate_sm.core.documents import Problems, parse_document, read_document
 from pirate_sm.core.loading import ChartOutline, outline_chart, validate
-from pirate_sm.core.mission import Mission
+from pirate_sm.core.models import Mission
 from pirate_sm.views.drawing.graph.graph import Graph, chart_graph
 from pirate_sm.views.drawing.graph.mission_graph import called_missions, mission_graph
 

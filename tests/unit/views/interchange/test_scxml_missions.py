@@ -10,7 +10,7 @@ from statemachine.io import load
 
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.loading import load_mission, validate
-from pirate_sm.core.mission import Mission
+from pirate_sm.core.models import Mission
 from pirate_sm.views.drawing.graph.graph import EdgeKind
 from pirate_sm.views.drawing.graph.mission_graph import ANY_PHASE as ANYWHERE
 from pirate_sm.views.drawing.graph.mission_graph import mission_graph

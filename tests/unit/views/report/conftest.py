@@ -18,7 +18,7 @@ PATROL = ROOT / "tests" / "robots" / "newt" / "patrol.yaml"
 def recorded(folder: Path, name: str, *arguments: str) -> Path:
     """The file with the recording of a run that was made for it."""
     path = folder / f"{name}.mcap"
-    CliRunner().invoke(only_run, [*arguments, "--quiet", "--record", str(path)])
+    CliRunner().invoke(only_run(), [*arguments, "--quiet", "--record", str(path)])
     assert path.exists()
     return path
 

@@ -13,8 +13,8 @@ import pytest
 from rich.console import Console
 from rich.theme import Theme
 
+from pirate_sm.core.events import Truth
 from pirate_sm.core.geometry import drawn_walls
-from pirate_sm.core.simulation import Truth
 from pirate_sm.running.wiring import Order, prepare
 from pirate_sm.views.showing import panels
 from pirate_sm.views.showing.picture import ON_A_TERMINAL, Dial, RobotPose, arrow, draw, pose_of

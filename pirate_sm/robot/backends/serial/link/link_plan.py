@@ -8,7 +8,7 @@ from math import inf, isfinite, radians
 from typing import NamedTuple
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.profile import Profile, Serial, Slot
+from pirate_sm.core.models import Profile, Serial, Slot
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.robot.backends.serial.link.conversation import Wanted
 from pirate_sm.robot.rosserial.frames import LONGEST_PAYLOAD, Direction

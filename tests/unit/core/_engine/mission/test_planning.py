@@ -11,8 +11,8 @@ import pytest
 from pirate_sm.core._engine.mission.planning import opened, plans
 from pirate_sm.core._engine.robot.command_outcome import refusal
 from pirate_sm.core._engine.robot.robot_state import Mark, at_rest_in, states_of
-from pirate_sm.core._loading.mission.generated import by_hand
 from pirate_sm.core._loading.robot.loader import load_robot
+from pirate_sm.core.generated_missions import by_hand
 
 ROOT = Path(__file__).resolve().parents[5]
 ROBOTS = {

@@ -7,7 +7,7 @@ from math import inf
 import pytest
 from driving import IDLE, Driver
 
-from pirate_sm.core._engine.resuming.hypotheses import DarkWay, Hypothesis
+from pirate_sm.core._engine.resuming.hypotheses import Hypothesis
 from pirate_sm.core._engine.resuming.reconciling import (
     Reconciled,
     StateVerdict,
@@ -17,6 +17,7 @@ from pirate_sm.core._engine.resuming.reconciling import (
 )
 from pirate_sm.core._engine.robot.declared_states import declared_in
 from pirate_sm.core._engine.robot.robot_state import DECLARED, Mark
+from pirate_sm.core._engine.unwatched import DarkWay
 
 NEWT = "tests/robots/newt"
 DECLARED_STATES = ("Loose", "Resting", "Dark")

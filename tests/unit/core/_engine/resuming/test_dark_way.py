@@ -9,7 +9,7 @@ import pytest
 from cut_off import CutOff
 from driving import BOTH_CLAMPED, IDLE, changed_newt, command
 
-from pirate_sm.core._engine.resuming.hypotheses import DarkWay, dark_way, odometry_m
+from pirate_sm.core._engine.unwatched import DarkWay, dark_way, odometry_m
 from pirate_sm.core._loading.robot.loader import load_robot
 
 RADIUS_M = 0.024

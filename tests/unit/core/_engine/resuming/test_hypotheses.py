@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 from driving import BOTH_CLAMPED, IDLE, Driver, command
 
-from pirate_sm.core._engine.resuming.hypotheses import Hypothesis, denied, hypotheses, unproven
+from pirate_sm.core._engine.resuming.hypotheses import Hypothesis, hypotheses
 from pirate_sm.core._engine.robot.robot_state import DECLARED, DENIED, STOPPED, Mark
+from pirate_sm.core._engine.unwatched import denied, unproven
 
 
 def found(driver: Driver, maybe: str = "", **body) -> tuple[Hypothesis, ...]:

@@ -16,8 +16,9 @@ from driving import (
 )
 
 from pirate_sm.core._engine.resuming.hypotheses import hypotheses
-from pirate_sm.core._engine.resuming.reconciling import adoptable, changed, reconcile, turning
+from pirate_sm.core._engine.resuming.reconciling import adoptable, reconcile, turning
 from pirate_sm.core._engine.robot.robot_state import DECLARED, DENIED, states_of
+from pirate_sm.core._engine.unwatched import changed
 from pirate_sm.core._model.events import FaultReport
 
 CONFIRMED, CONTRADICTED, UNKNOWN = "confirmed", "contradicted", "unknown"

@@ -8,9 +8,10 @@ from math import isnan
 import pytest
 from driving import BOTH_CLAMPED, IDLE
 
-from pirate_sm.core._engine.resuming.hypotheses import DarkWay, hypotheses
+from pirate_sm.core._engine.resuming.hypotheses import hypotheses
 from pirate_sm.core._engine.resuming.resumption import Resumption, resumption
 from pirate_sm.core._engine.state import Counted
+from pirate_sm.core._engine.unwatched import DarkWay
 
 WIDTH_M = 0.05
 OPEN = DarkWay(0.1, 0.5, False, "")

@@ -18,7 +18,7 @@ from pirate_sm.core.effects import Effect, Fault, Log
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.errors import BackendError
 from pirate_sm.core.loading import LoadedMission, load_mission
-from pirate_sm.core.simulation import Defect
+from pirate_sm.core.models import Defect
 from pirate_sm.robot.backends.serial.assembly import read_plan
 from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan

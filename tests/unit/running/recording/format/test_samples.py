@@ -9,7 +9,7 @@ import jsonschema
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.core.simulation import InSpace
+from pirate_sm.core.events import InSpace
 from pirate_sm.running.recording.format.engine_topics import (
     SAMPLES_SCHEMA,
     Placed,

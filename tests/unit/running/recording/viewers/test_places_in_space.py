@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pirate_sm.core.simulation import InSpace
+from pirate_sm.core.events import InSpace
 from pirate_sm.running.recording.viewers.viewer_messages import (
     columns_in_space,
     space_of,

@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 from keeping import Memory, header, mission
 
 from pirate_sm.core.effects import Effect, WakeAt
-from pirate_sm.core.events import Event, FrameBlock, SensorFrame, Tick
+from pirate_sm.core.events import Event, FrameBlock, SensorFrame, Tick, Trail, Whereabouts
 from pirate_sm.core.sensing import Glide, Step
-from pirate_sm.core.simulation import Trail, Whereabouts
 from pirate_sm.running.recording.format.engine_topics import PlacesSample, places_sample
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording, read_recording

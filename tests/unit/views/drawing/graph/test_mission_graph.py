@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core import mission as model
+from pirate_sm.core import models as model
 from pirate_sm.views.drawing.graph.graph import Edge, EdgeKind, Graph, NodeKind
 from pirate_sm.views.drawing.graph.mission_graph import mission_graph
 

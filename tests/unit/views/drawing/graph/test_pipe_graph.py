@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.models import Pipe
 from pirate_sm.views.drawing.graph.graph import pipe_graph
 from pirate_sm.views.drawing.svg.svg_writer import svg
 from pirate_sm.views.drawing.text_formats import dot, mermaid

@@ -7,12 +7,6 @@ from math import pi
 import pytest
 
 from pirate_sm.core import library
-from pirate_sm.core._loading.mission.generated import (
-    RouteCourse,
-    UndrivableError,
-    course_along,
-    mission_along,
-)
 from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._loading.yaml.document import parse_document
 from pirate_sm.core._loading.yaml.validation import validate
@@ -20,6 +14,12 @@ from pirate_sm.core._model.mission import CallStep, Mission
 from pirate_sm.core._model.pipe import Pipe
 from pirate_sm.core._model.robot.profile import Profile
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.generated_missions import (
+    RouteCourse,
+    UndrivableError,
+    course_along,
+    mission_along,
+)
 
 
 @pytest.fixture(scope="module")
