@@ -87,19 +87,19 @@ ALPHABETS = {
         "core/_model/robot/done_criteria.py",
         "| Aligned | Below",
         "NewCriterion(DoneWhen)",
-        ("core/_loading/robot/done_criteria.py",),
+        ("core/_loading/robot/criteria.py",),
     ),
     "demand of a criterion": Alphabet(
-        "core/_engine/robot/done_criteria.py",
+        "core/_engine/robot/criteria.py",
         "| WheelTurning | AngleSet",
         "NewDemand(NamedTuple)",
-        ("core/_engine/robot/done_criteria.py",),
+        ("core/_engine/robot/criteria.py",),
     ),
     "way to see a state": Alphabet(
         "core/_model/robot/seen_states.py",
         "| Implied | Unknown",
         "NewSeenState(Frozen)",
-        ("core/_loading/robot/seen_states.py",),
+        ("core/_loading/robot/criteria.py",),
     ),
     "setpoint": Alphabet(
         "core/_model/robot/actuation.py",

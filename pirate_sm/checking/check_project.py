@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, TypeAlias
 from pirate_sm.checking.findings import Finding, Severity, each_once, finding_of, settle
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 from pirate_sm.checking.mission.mission_parameters import check_settings
+from pirate_sm.checking.pipe.check_in_pipe import check_alone
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
-from pirate_sm.checking.pipe.space_rules import check_alone
 from pirate_sm.checking.project_files import CheckTarget, find_targets, robots_around
 from pirate_sm.checking.reports.check_report import (
     CheckedFile,

@@ -24,7 +24,7 @@ class ExitCode:
 
     Attributes:
         INTERRUPTED: As a shell shows it: 128 + SIGINT.
-        OUTPUT_LOST: Nobody reads the output any more: 128 + SIGPIPE, as a shell shows it.
+        OUTPUT_LOST: The output is not read any more: 128 + SIGPIPE, as a shell shows it.
     """
 
     SUCCEEDED: Final = 0

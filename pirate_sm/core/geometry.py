@@ -25,8 +25,17 @@ from pirate_sm.core._geometry.network import (
     tilted_up,
 )
 from pirate_sm.core._geometry.placement import Placement
-from pirate_sm.core._geometry.plane import Walls, drawn_walls, flat, inner_corner, turned, walls
-from pirate_sm.core._geometry.route import Bend, Route, RouteJoint
+from pirate_sm.core._geometry.route import (
+    Bend,
+    Route,
+    RouteJoint,
+    Walls,
+    drawn_walls,
+    flat,
+    inner_corner,
+    turned,
+    walls,
+)
 from pirate_sm.core._geometry.space import (
     DRAWING,
     GRAVITY_M_S2,

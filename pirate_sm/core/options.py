@@ -4,8 +4,8 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
-from pirate_sm.core._model.defect_text import DEFECT_KEYS, defect_as_text, keys_of_defect
 from pirate_sm.core._model.run_options import (
+    DEFECT_KEYS,
     DIFFERS,
     JITTER,
     OPTIONS,
@@ -15,5 +15,7 @@ from pirate_sm.core._model.run_options import (
     GivenOptions,
     Options,
     RunOption,
+    defect_as_text,
+    keys_of_defect,
     written,
 )

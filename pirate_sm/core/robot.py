@@ -4,17 +4,21 @@
 # mypy: implicit-reexport
 from __future__ import annotations
 
+from pirate_sm.core._engine import safety
 from pirate_sm.core._engine.mission.planning import Plan, RulePlaces, plans
 from pirate_sm.core._engine.robot import declared_states, duty_cycles
 from pirate_sm.core._engine.robot.actuation_spec import SlotSpec, StageSpec, Write
 from pirate_sm.core._engine.robot.command_outcome import lets_all_go, marks_after, refusal
-from pirate_sm.core._engine.robot.done_criteria import (
+from pirate_sm.core._engine.robot.criteria import (
     CriterionSpec,
+    HeldSpec,
     Need,
+    SeenSpec,
     TorqueBorne,
     WheelTurning,
     needs_of_signals,
 )
+from pirate_sm.core._engine.robot.evidence import verdict
 from pirate_sm.core._engine.robot.loops import torque_nm
 from pirate_sm.core._engine.robot.robot_spec import (
     USUAL,
@@ -35,6 +39,3 @@ from pirate_sm.core._engine.robot.robot_state import (
     state_change,
     states_of,
 )
-from pirate_sm.core._engine.robot.state_signs import HeldSpec, SeenSpec
-from pirate_sm.core._engine.robot.state_verdicts import verdict
-from pirate_sm.core._engine.safety import rules

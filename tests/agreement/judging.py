@@ -7,7 +7,7 @@ from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.core import effects as fx
 from pirate_sm.core.program import ROUND_AND_ROUND, Do, Require, Wait
-from pirate_sm.core.robot import rules
+from pirate_sm.core.robot import safety
 
 CERTAIN = {"step.impossible", "step.unneeded"}
 CALLS = {"call.starts_in", "call.maybe_starts_in"}
@@ -89,7 +89,7 @@ class Judge:
         assert not entered & self._refused_calls, "a call was to be refused"
         told = {each.message for each in self.check.findings if each.code == "rule.violated"}
         for effect in effects:
-            if isinstance(effect, fx.Fault) and effect.code == rules.CODE and self.complete:
+            if isinstance(effect, fx.Fault) and effect.code == safety.RULE_BROKEN and self.complete:
                 assert effect.message in told, f"not told: {effect}"
 
     def _hold_triggers(self, run: Run) -> None:

@@ -10,7 +10,7 @@ from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.checking.reports.counterexamples import SCRIPT_SUFFIX, write_counterexample
 from pirate_sm.core import effects as fx
-from pirate_sm.core.robot import rules
+from pirate_sm.core.robot import safety
 from pirate_sm.running.runtime.ending import Stop, StopRequests
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, prepare
@@ -71,7 +71,7 @@ def is_it(finding: Finding, effect: fx.Effect) -> bool:
             and effect.place.split(":")[-2:] == str(finding.place).split(":")[-2:]
             and effect.reason in finding.message
         )
-    if finding.code == rules.CODE:
+    if finding.code == safety.RULE_BROKEN:
         return isinstance(effect, fx.Fault) and _told(effect.message) == _told(finding.message)
     assert finding.code == "loop.endless"
     phase = finding.message.split("'")[1]

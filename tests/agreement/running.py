@@ -11,7 +11,7 @@ from pirate_sm.checking.exploring.signal_ranges import ANYTHING, ranges
 from pirate_sm.core import effects as fx
 from pirate_sm.core import events as ev
 from pirate_sm.core._engine.robot import robot_state
-from pirate_sm.core._engine.safety.faults import STARTS_AGAIN
+from pirate_sm.core._engine.safety import STARTS_AGAIN
 from pirate_sm.core._engine.state import OUTSIDE
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.expressions import EnumType, Expression, tree

@@ -11,8 +11,8 @@ import pytest
 
 from benchmarks.mistakes import ODD, Mistake, cases, checked, table, written
 from pirate_sm.checking.check_project import check_paths
-from pirate_sm.checking.file_changes import changes_of
 from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.reports.check_report import changes_of
 
 MISTAKES = {f"{case.kind}.{case.name}": case for case in cases()}
 CORRECT = {f"{case.kind}.{case.name}": case for case in cases([ODD])}

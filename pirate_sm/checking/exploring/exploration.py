@@ -1,7 +1,4 @@
-"""The result of an exploration: states of a mission and the steps between them.
-
-It has an index by places in the mission's files, and tells how a step was reached.
-"""
+"""The result of an exploration: states, the steps between them, and their index by places."""
 
 from __future__ import annotations
 
@@ -27,7 +24,7 @@ from pirate_sm.core.effects import (
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.expressions import Vocabulary
 from pirate_sm.core.program import ROUND_AND_ROUND, Program
-from pirate_sm.core.robot import RobotSpec, rules
+from pirate_sm.core.robot import RobotSpec, safety
 from pirate_sm.core.units import format_quantity
 
 BEGINS = "\0begins "
@@ -244,7 +241,7 @@ def _enter(book: Explored, number: int, step: ExploredStep) -> None:
                 _begun(book, number, effect.message)
             case PhaseChange():
                 book.phases.setdefault(effect.phase, number)
-            case Fault(code=rules.CODE):
+            case Fault(code=safety.RULE_BROKEN):
                 book.broken.setdefault(effect.message, number)
             case Ended():
                 _end(book, number, effect.outcome, effect.end, effect.message)

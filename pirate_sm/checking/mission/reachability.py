@@ -16,6 +16,7 @@ from pirate_sm.checking.exploring.exploration import (
 )
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.mission_view import MissionPlaces, MissionView, within_reach
+from pirate_sm.checking.plans import way_to
 from pirate_sm.core.documents import Path, Place
 from pirate_sm.core.effects import CommandStatus, PhaseChange
 from pirate_sm.core.expressions import Expression
@@ -392,8 +393,6 @@ def _way_to(
     step: Require, book: Explored, first: int, loaded: LoadedMission, *, always: bool
 ) -> str:
     """Return how the required states of a call can be reached."""
-    from pirate_sm.checking.plans import way_to  # noqa: PLC0415 - no good mission needs it
-
     source = book.found.steps[first].source
     body = book.found.nodes[max(source, 0)].state.robot
     # Unconfirmed states count as confirmed, because each command is given separately.

@@ -24,7 +24,7 @@ from itertools import groupby
 from typing import NamedTuple
 
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.robot.chart_view import (
+from pirate_sm.checking.robot.robot_view import (
     ChartView,
     constant,
     constant_parts,

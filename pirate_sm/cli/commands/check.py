@@ -9,10 +9,9 @@ from functools import cache
 from pathlib import Path
 
 from pirate_sm.checking.check_project import Wishes, check_paths
-from pirate_sm.checking.file_changes import FileChange, changes_of
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.permissions import is_below
-from pirate_sm.checking.reports.check_report import CheckReport, Rehearse
+from pirate_sm.checking.reports.check_report import CheckReport, FileChange, Rehearse, changes_of
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.cli import settings
 from pirate_sm.cli.options.checks import CheckOptions

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from math import inf, isnan
 
+from pirate_sm.core._engine import safety, start_check
 from pirate_sm.core._engine.mission.flow import (
     await_sight,
     divert,
@@ -21,8 +22,7 @@ from pirate_sm.core._engine.moment import Moment, has_come
 from pirate_sm.core._engine.robot import commands, declared_states, robot_state, setpoint_arrays
 from pirate_sm.core._engine.robot.evidence import Evidence, proofs_after
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.safety import rules, start_check
-from pirate_sm.core._engine.safety.faults import listen, unsettle
+from pirate_sm.core._engine.safety import listen, unsettle
 from pirate_sm.core._engine.sensing.environment import NOTHING_AROUND, differs, merged, survey
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._engine.sensing.signal_table import forget_stale
@@ -131,7 +131,7 @@ def watch_rules(moment: Moment, before: EngineState, state: EngineState) -> Engi
     if not accepted and diverting:
         return state
     name = moment.robot.commands[motion.command].name if motion is not None else None
-    follow = partial(rules.follow, moment.program, moment.robot, state.rules)
+    follow = partial(safety.follow, moment.program, moment.robot, state.rules)
     accepts = int(accepted), name if accepted else None
     places, broken = follow(new, *accepts)
     unseen = bool(broken) and not follow(declared_states.as_last_seen(new), *accepts)[1]
@@ -142,13 +142,13 @@ def watch_rules(moment: Moment, before: EngineState, state: EngineState) -> Engi
     # compared with states no command begins either.
     for rule in () if diverting else broken:
         if motion is not None and not motion.place:
-            moment.warn(f"{name}, given by hand, violates {rules.said(rule)}")
+            moment.warn(f"{name}, given by hand, violates {safety.said(rule)}")
         elif state.mission.ending or state.mission.ended:
             pass
         elif unseen:
             return pause_until_seen(moment, state)  # once, whatever rules are broken
         else:
-            state = end_by_fault(moment, state, rules.CODE, rules.said(rule))
+            state = end_by_fault(moment, state, safety.RULE_BROKEN, safety.said(rule))
     return state
 
 

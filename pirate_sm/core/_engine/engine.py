@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from math import isnan, nan
 from typing import TYPE_CHECKING
 
-from pirate_sm.core._engine import inputs
+from pirate_sm.core._engine import inputs, safety
 from pirate_sm.core._engine.consequences import settle
 from pirate_sm.core._engine.mission.program import Program, signals_read, slip_watched
 from pirate_sm.core._engine.moment import Moment
@@ -19,8 +19,7 @@ from pirate_sm.core._engine.robot import commands, declared_states, robot_state
 from pirate_sm.core._engine.robot.evidence import Evidence, proofs_at_start
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import RobotState
-from pirate_sm.core._engine.safety import rules
-from pirate_sm.core._engine.safety.faults import no_faults
+from pirate_sm.core._engine.safety import no_faults
 from pirate_sm.core._engine.sensing import environment
 from pirate_sm.core._engine.sensing.known_signals import nothing_known, with_odometry
 from pirate_sm.core._engine.sensing.odometry import counting
@@ -116,7 +115,7 @@ class Engine:
                 )
         words = (*robot_state.states_of(self.robot, robot), *(None for _ in OUTSIDE))
         mission = MissionState(self.program.start, offset_s=now_s, pause_wanted=paused)
-        progress = rules.unseen(self.program)
+        progress = safety.unseen(self.program)
         if resumed is not None:
             mission = mission._replace(
                 offset_s=now_s - resumed.clock_s,
@@ -128,7 +127,7 @@ class Engine:
                 pause_wanted=paused or resumed.paused,
             )
             progress = resumed.rules or progress
-        following, _ = rules.follow(self.program, self.robot, progress, robot, 0)
+        following, _ = safety.follow(self.program, self.robot, progress, robot, 0)
         look = None if self.nominal else declared_states.begin(self.robot, robot, now_s)
         surveyed = environment.nothing_surveyed(nominal=self.nominal)
         faults = no_faults(self.robot, now_s)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import nan
 from typing import assert_never
 
+from pirate_sm.core._engine import start_check
 from pirate_sm.core._engine.mission import flow
 from pirate_sm.core._engine.mission.flow import meet
 from pirate_sm.core._engine.mission.program import Program, SwitchControl
@@ -12,14 +13,7 @@ from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.robot import commands, setpoint_arrays
 from pirate_sm.core._engine.robot.loops import Circumstances, RunningTorqueLoop
 from pirate_sm.core._engine.robot.robot_state import Finished, RobotState
-from pirate_sm.core._engine.safety import start_check
-from pirate_sm.core._engine.safety.faults import (
-    STARTS_AGAIN,
-    FoundFault,
-    look,
-    start_again,
-    unsettle,
-)
+from pirate_sm.core._engine.safety import STARTS_AGAIN, FoundFault, look, start_again, unsettle
 from pirate_sm.core._engine.sensing.known_signals import nothing_estimated
 from pirate_sm.core._engine.sensing.odometry import judge
 from pirate_sm.core._engine.sensing.signal_table import forget_outdated, observe

@@ -16,7 +16,7 @@ from pirate_sm.core._engine.robot.robot_state import (
     RobotState,
     confirmed_parts,
 )
-from pirate_sm.core._engine.safety.faults import no_faults
+from pirate_sm.core._engine.safety import no_faults
 from pirate_sm.core._engine.sensing.environment import Surveyed, survey
 from pirate_sm.core._engine.sensing.known_signals import nothing_known
 from pirate_sm.core._engine.sensing.signal_table import forget_stale, observe

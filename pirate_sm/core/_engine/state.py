@@ -179,7 +179,7 @@ class EngineState(NamedTuple):
         word_until_s: End of the validity of the detector's word.
         wake_at_s: The next time at which something changes without an event.
         look: The running start check, None after it; no command begins during it.
-        rules: Progress of each safety rule, see :mod:`pirate_sm.core._engine.safety.rules`.
+        rules: Progress of each safety rule, see :mod:`pirate_sm.core._engine.safety`.
         surveyed: The pipe around the robot.
         lapsed: The running comparison for parts whose sensors were not known; None without any.
         proofs: What has shown each state and clamp.

@@ -1,4 +1,4 @@
-"""What sensors say about a robot that nobody watched for a while, by what they showed before.
+"""What sensors say about a robot that was not watched for a while, by what they showed before.
 
 Its controller was away, or nothing was recorded. How far it has driven meanwhile, what else has
 changed, and what of that which was confirmed still counts.
@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.records import Numbers
+from pirate_sm.core._engine.robot.criteria import OF_WHEELS
+from pirate_sm.core._engine.robot.evidence import kind_of, verdict
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DECLARED,
@@ -23,8 +25,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     at_rest_in,
     states_of,
 )
-from pirate_sm.core._engine.robot.state_signs import OF_WHEELS
-from pirate_sm.core._engine.robot.state_verdicts import kind_of, verdict
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._engine.state import EngineState
 

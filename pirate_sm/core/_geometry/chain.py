@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from math import asin, atan2, cos, inf, isnan, nan, sin, sqrt
 from typing import NamedTuple
 
-from pirate_sm.core._geometry.plane import turned
+from pirate_sm.core._geometry.route import turned
 from pirate_sm.core._geometry.space import Frame, Place, Vector
 
 # --- kinematics in a plane --------------------------------------------------------------------

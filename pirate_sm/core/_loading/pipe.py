@@ -11,8 +11,7 @@ from pathlib import Path
 from pirate_sm.core._geometry.chain import height_m
 from pirate_sm.core._geometry.network import BRANCH, IN, ON, Network, NetworkRun, Piece, port_of
 from pirate_sm.core._geometry.placement import crossings, place
-from pirate_sm.core._geometry.plane import crossing
-from pirate_sm.core._geometry.route import Route, passages_of
+from pirate_sm.core._geometry.route import Route, crossing, passages_of
 from pirate_sm.core._loading.problems import Path as At
 from pirate_sm.core._loading.problems import Problems
 from pirate_sm.core._loading.references import FileKind, refuse_other

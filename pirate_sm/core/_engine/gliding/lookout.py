@@ -18,12 +18,8 @@ from pirate_sm.core._engine.gliding.quiet_frames import Condition, SameDuty, Wat
 from pirate_sm.core._engine.mission.program import Do, Question, SwitchControl, Wait
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
-from pirate_sm.core._engine.robot.done_criteria import (
-    Bound,
-    CriterionSpec,
-    JointsArrived,
-    arrived,
-)
+from pirate_sm.core._engine.robot.command_outcome import why_not_clamped
+from pirate_sm.core._engine.robot.criteria import Bound, CriterionSpec, JointsArrived, arrived
 from pirate_sm.core._engine.robot.loops import RunningPositionLoop
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
@@ -34,7 +30,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     posture_bounds,
     posture_of,
 )
-from pirate_sm.core._engine.robot.why_not_done import why_not_clamped
 from pirate_sm.core._engine.sensing.environment import Surveyed, announced, held_parts, joint_around
 from pirate_sm.core._engine.sensing.plausibility import BoardMemory
 from pirate_sm.core._engine.state import EngineState, MissionState

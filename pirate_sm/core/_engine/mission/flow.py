@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import inf, nan
 
+from pirate_sm.core._engine import safety
 from pirate_sm.core._engine.mission.program import STOP, Question
 from pirate_sm.core._engine.moment import Moment, has_come
 from pirate_sm.core._engine.robot import commands, declared_states, robot_state
-from pirate_sm.core._engine.robot.command_outcome import doubt_grip
+from pirate_sm.core._engine.robot.command_outcome import doubt_grip, unmet_conditions
 from pirate_sm.core._engine.robot.robot_state import Finished, RobotState
-from pirate_sm.core._engine.robot.why_not_done import unmet_conditions
-from pirate_sm.core._engine.safety import rules
-from pirate_sm.core._engine.safety.faults import FoundFault
+from pirate_sm.core._engine.safety import FoundFault
 from pirate_sm.core._engine.state import BeforePause, Ending, EngineState, MissionState
 from pirate_sm.core._model.effects import Ask, CommandStatus, Ended, Fault, Log, Outcome
 from pirate_sm.core._model.events import EVIDENCE_ENDS, GoTo
@@ -142,8 +141,8 @@ def _missing(moment: Moment, state: EngineState) -> str:
     if before is None:
         return ""
     resumed = body._replace(values=commands.kept(body, before.values))
-    here, there = (rules.broken(moment, state.rules, each) for each in (body, resumed))
-    return "; ".join(rules.said(rule) for rule in there if rule not in here)
+    here, there = (safety.broken(moment, state.rules, each) for each in (body, resumed))
+    return "; ".join(safety.said(rule) for rule in there if rule not in here)
 
 
 def pause_until_seen(moment: Moment, state: EngineState) -> EngineState:
@@ -177,7 +176,7 @@ def await_sight(moment: Moment, state: EngineState) -> EngineState:
     missing, late = _missing(moment, state), has_come(moment.now_s, mission.sight_until_s)
     steps = bool(mission.since) and not mission.begun
     if late and missing:
-        return end_by_fault(moment, state, rules.CODE, missing)
+        return end_by_fault(moment, state, safety.RULE_BROKEN, missing)
     if late and steps:
         state = state._replace(mission=_forget_actuation(mission, body))
     elif missing or (steps and declared_states.as_last_seen(body) != body):

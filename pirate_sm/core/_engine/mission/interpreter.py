@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import assert_never
 
+from pirate_sm.core._engine import safety
 from pirate_sm.core._engine.mission import flow
 from pirate_sm.core._engine.mission.flow import end, end_by_fault, fail, go, lapse_unheard
 from pirate_sm.core._engine.mission.program import (
@@ -25,7 +26,6 @@ from pirate_sm.core._engine.moment import Moment, has_come
 from pirate_sm.core._engine.robot import command_outcome, commands, declared_states, robot_state
 from pirate_sm.core._engine.robot.robot_state import RobotState
 from pirate_sm.core._engine.robot.setpoint_arrays import unsettled
-from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.state import EngineState, MissionState
 from pirate_sm.core._model.effects import CommandStatus, Log, PhaseChange
 from pirate_sm.core._model.faults import BuiltInFault
@@ -133,10 +133,10 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
         return fail(moment, state, cause, it.failed)
     trial = moment.trial()
     robot = commands.begin(trial, state.robot, state.sensing, it.command, it.timeout_s, it.place)
-    forbidden = rules.forbids(moment, state.rules, robot)
+    forbidden = safety.forbids(moment, state.rules, robot)
     if forbidden:
         message = f"{name} ({it.place}) would break {forbidden}"
-        return end_by_fault(moment, state, rules.CODE, message)
+        return end_by_fault(moment, state, safety.RULE_BROKEN, message)
     moment.effects += trial.effects
     mission = mission._replace(begun=True, result=None, since=())
     return state._replace(robot=robot, mission=mission)

@@ -12,17 +12,17 @@ from heapq import heappop, heappush
 from itertools import count
 from typing import NamedTuple
 
+from pirate_sm.core._engine import safety
 from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.robot import command_outcome, commands
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import Mark, RobotState, confirmed_parts
-from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.core._model.events import SubmitResult
 
 RulePlaces = tuple[int, ...]
-"""The progress of each safety rule, see :func:`pirate_sm.core._engine.safety.rules.follow`."""
+"""The progress of each safety rule, see :func:`pirate_sm.core._engine.safety.follow`."""
 
 _Key = tuple[int, frozenset[Mark], RulePlaces]
 
@@ -90,7 +90,7 @@ def plans(
     """
     sensing = nothing_known(robot, blind=True)
     if places is None:
-        places, _ = rules.follow(program, robot, rules.unseen(program), body, 0)
+        places, _ = safety.follow(program, robot, safety.unseen(program), body, 0)
     serial = count()  # breaks ties, so that states are never compared
     queue: list[tuple[int, int, float, int, RobotState, RulePlaces, _Way | None]] = []
     heappush(queue, (0, 0, 0.0, next(serial), body, places, None))
@@ -130,10 +130,10 @@ def next_steps(
         if command_outcome.refusal(robot, body, command):
             continue
         after = _done(robot, program, body, sensing, command)
-        following, broken = rules.follow(program, robot, places, after, 1, spec.name)
+        following, broken = safety.follow(program, robot, places, after, 1, spec.name)
         hindrance = _letting_go(robot, body, after.configuration)
         if not hindrance and broken:
-            hindrance = "it breaks " + "; ".join(map(rules.said, broken))
+            hindrance = "it breaks " + "; ".join(map(safety.said, broken))
         yield PlannedStep(command, after, hindrance), following
 
 

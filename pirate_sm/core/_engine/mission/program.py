@@ -15,7 +15,7 @@ from math import inf, isnan
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.core._engine.robot.actuation_spec import GripSpec
-from pirate_sm.core._engine.robot.done_criteria import needs_of_signals
+from pirate_sm.core._engine.robot.criteria import needs_of_signals
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._expressions import Expression
 
@@ -198,7 +198,7 @@ Instruction: TypeAlias = (
 
 
 class RuleSpec(NamedTuple):
-    """A safety rule in force for this mission; :mod:`~pirate_sm.core._engine.safety.rules` judge.
+    """A safety rule in force for this mission; :mod:`~pirate_sm.core._engine.safety` judge.
 
     Attributes:
         after: The rule applies once this has been true; None: always.

@@ -13,9 +13,9 @@ from pirate_sm.core._engine.mission.program import (
     Wait,
 )
 from pirate_sm.core._engine.moment import Moment, has_come
-from pirate_sm.core._engine.robot.done_criteria import near
-from pirate_sm.core._engine.robot.why_not_done import unmet_of
-from pirate_sm.core._engine.safety.faults import FoundFault
+from pirate_sm.core._engine.robot.command_outcome import unmet_of
+from pirate_sm.core._engine.robot.criteria import near
+from pirate_sm.core._engine.safety import FoundFault
 from pirate_sm.core._engine.sensing.known_signals import with_changes
 from pirate_sm.core._engine.sensing.odometry import BASE_M
 from pirate_sm.core._engine.state import OUTSIDE, Counted, EngineState, MissionState, Words

@@ -11,7 +11,9 @@ from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.moment import has_come
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.resuming.hypotheses import Hypothesis, hypotheses
+from pirate_sm.core._engine.robot.criteria import OF_WHEELS
 from pirate_sm.core._engine.robot.declared_states import Watched, declared_in, since
+from pirate_sm.core._engine.robot.evidence import Shown, kind_of, shown_by, spec_of, verdict
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DECLARED,
@@ -21,14 +23,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     RobotState,
     at_rest_in,
     states_of,
-)
-from pirate_sm.core._engine.robot.state_signs import OF_WHEELS
-from pirate_sm.core._engine.robot.state_verdicts import (
-    Shown,
-    kind_of,
-    shown_by,
-    spec_of,
-    verdict,
 )
 from pirate_sm.core._engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.core._engine.sensing.signal_table import forget_stale, observe

@@ -8,6 +8,7 @@ from dataclasses import replace
 from math import isnan, nan
 from typing import NamedTuple
 
+from pirate_sm.core._engine import safety
 from pirate_sm.core._engine.mission import planning
 from pirate_sm.core._engine.mission.program import (
     HERE,
@@ -23,6 +24,7 @@ from pirate_sm.core._engine.mission.program import (
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.resuming.hypotheses import Hypothesis
 from pirate_sm.core._engine.resuming.reconciling import VerdictTable
+from pirate_sm.core._engine.robot.evidence import kind_of
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DECLARED,
@@ -32,8 +34,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     RobotState,
     states_of,
 )
-from pirate_sm.core._engine.robot.state_verdicts import kind_of
-from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._engine.sensing.known_signals import DistanceMemory, nothing_known
 from pirate_sm.core._engine.state import Counted, EngineState
 from pirate_sm.core._engine.unwatched import DarkWay, odometry_m
@@ -220,7 +220,7 @@ def _restoring(
         )
 
     sensing = nothing_known(robot, blind=True)
-    places, _ = rules.follow(program, robot, rules.unseen(program), body, 0)
+    places, _ = safety.follow(program, robot, safety.unseen(program), body, 0)
 
     def order(found: tuple[planning.PlannedStep, planning.RulePlaces]) -> tuple[bool, bool, int]:
         step, _ = found

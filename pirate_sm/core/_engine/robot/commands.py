@@ -15,8 +15,17 @@ from typing import Literal
 from pirate_sm.core._engine.moment import Moment, has_come
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot import declared_states, levelling
-from pirate_sm.core._engine.robot.command_outcome import doubt_grip, marks_after, touched
-from pirate_sm.core._engine.robot.done_criteria import AngleSet
+from pirate_sm.core._engine.robot.command_outcome import (
+    doubt_grip,
+    marks_after,
+    shown_done,
+    touched,
+    unmet_conditions,
+    why_late,
+    why_not_clamped,
+    why_unmoved,
+)
+from pirate_sm.core._engine.robot.criteria import AngleSet
 from pirate_sm.core._engine.robot.loops import Loops, ends_with_command
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
@@ -48,13 +57,6 @@ from pirate_sm.core._engine.robot.setpoint_arrays import (
     unknown_angle,
     unmoved_loops,
     without_loops,
-)
-from pirate_sm.core._engine.robot.why_not_done import (
-    shown_done,
-    unmet_conditions,
-    why_late,
-    why_not_clamped,
-    why_unmoved,
 )
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._model.effects import CommandStatus, Log

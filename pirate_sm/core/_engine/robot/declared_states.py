@@ -15,6 +15,8 @@ from typing import NamedTuple
 
 from pirate_sm.core._engine.moment import has_come
 from pirate_sm.core._engine.records import Numbers
+from pirate_sm.core._engine.robot.criteria import OF_WHEELS
+from pirate_sm.core._engine.robot.evidence import SensorVerdict, kind_of, verdict
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import (
     DECLARED,
@@ -27,8 +29,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     at_rest_in,
     states_of,
 )
-from pirate_sm.core._engine.robot.state_signs import OF_WHEELS
-from pirate_sm.core._engine.robot.state_verdicts import SensorVerdict, kind_of, verdict
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._model.faults import BuiltInFault
 

@@ -17,7 +17,7 @@ from math import atan2, degrees, hypot, isnan, nan, pi, remainder, tan
 from typing import NamedTuple
 
 from pirate_sm.core._engine.moment import has_come
-from pirate_sm.core._engine.robot.done_criteria import AngleSet
+from pirate_sm.core._engine.robot.criteria import AngleSet
 from pirate_sm.core._engine.robot.duty_cycles import quantised
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import Levelling, RobotState, confirmed_parts

@@ -17,8 +17,7 @@ from math import nan
 from typing import Literal, TypeAlias
 
 from pirate_sm.core._engine.robot.actuation_spec import SlotSpec, StageSpec
-from pirate_sm.core._engine.robot.done_criteria import CriterionSpec
-from pirate_sm.core._engine.robot.state_signs import Sight
+from pirate_sm.core._engine.robot.criteria import CriterionSpec, Sight
 from pirate_sm.core._engine.sensing.board_spec import (
     BoardSpec,
     LinkSpec,

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 
 from pirate_sm.core._engine.records import Numbers, often_replaced
 from pirate_sm.core._engine.robot.actuation_spec import StageSpec
-from pirate_sm.core._engine.robot.done_criteria import Bound, CriterionSpec, near
+from pirate_sm.core._engine.robot.criteria import Bound, CriterionSpec, near
 from pirate_sm.core._engine.robot.loops import Loops, RunningPositionLoop
 from pirate_sm.core._engine.robot.robot_spec import Configuration, PostureSpec, RobotSpec
 from pirate_sm.core._geometry.space import Vector

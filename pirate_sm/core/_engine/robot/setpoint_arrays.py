@@ -16,7 +16,7 @@ from math import inf, isnan, nan
 from pirate_sm.core._engine.moment import Moment, has_come
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.actuation_spec import StageSpec
-from pirate_sm.core._engine.robot.done_criteria import CriterionSpec, JointsArrived
+from pirate_sm.core._engine.robot.criteria import CriterionSpec, JointsArrived
 from pirate_sm.core._engine.robot.duty_cycles import quantised
 from pirate_sm.core._engine.robot.loops import (
     Circumstances,

@@ -19,9 +19,8 @@ from pydantic import ValidationError
 
 from pirate_sm.core import library
 from pirate_sm.core._engine.mission.program import Program
-from pirate_sm.core._engine.robot.done_criteria import CriterionSpec, TorqueBorne
+from pirate_sm.core._engine.robot.criteria import CriterionSpec, HeldSpec, TorqueBorne
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._engine.robot.state_signs import HeldSpec
 from pirate_sm.core._geometry.chain import holding_nm
 from pirate_sm.core._geometry.network import tilted_up
 from pirate_sm.core._geometry.space import GRAVITY_M_S2, dot

@@ -15,7 +15,7 @@ from pirate_sm.core._engine.robot.actuation_spec import (
     WheelTorqueSpec,
     Write,
 )
-from pirate_sm.core._engine.robot.done_criteria import AngleSet
+from pirate_sm.core._engine.robot.criteria import AngleSet
 from pirate_sm.core._engine.robot.robot_spec import Actuation, ChartTable, CommandSpec
 from pirate_sm.core._engine.sensing.body_spec import BodySpec, Imu, Vee
 from pirate_sm.core._geometry.space import GRAVITY_M_S2

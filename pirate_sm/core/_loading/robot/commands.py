@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from pirate_sm.core._engine import safety as watched
 from pirate_sm.core._engine.mission.program import RuleSpec
 from pirate_sm.core._engine.robot.robot_spec import (
     ChartTable,
@@ -12,7 +13,6 @@ from pirate_sm.core._engine.robot.robot_spec import (
     Owners,
     PostureSpec,
 )
-from pirate_sm.core._engine.safety import rules as watched
 from pirate_sm.core._engine.sensing.board_spec import board_name
 from pirate_sm.core._expressions import (
     EnumType,
@@ -24,7 +24,7 @@ from pirate_sm.core._expressions import (
 )
 from pirate_sm.core._expressions.tree import Not
 from pirate_sm.core._loading.problems import Path, Problems
-from pirate_sm.core._loading.robot.done_criteria import resolve_criterion
+from pirate_sm.core._loading.robot.criteria import resolve_criterion
 from pirate_sm.core._loading.robot.signals import Signals
 from pirate_sm.core._model.faults import BuiltInFault
 from pirate_sm.core._model.mission import Mission

@@ -19,7 +19,7 @@ from pirate_sm.core._geometry.space import GRAVITY_M_S2
 from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._loading.robot.actuation import Slots, resolve_stage
 from pirate_sm.core._loading.robot.commands import is_true, on_states
-from pirate_sm.core._loading.robot.done_criteria import resolve_criterion
+from pirate_sm.core._loading.robot.criteria import resolve_criterion
 from pirate_sm.core._loading.robot.signals import Signals
 from pirate_sm.core._model.robot import signals as kinds
 from pirate_sm.core._model.robot.actuation import Control, Grip, Level, PostureCase, Share, Target

@@ -30,7 +30,7 @@ from pirate_sm.core._loading.robot.commands import (
     resolve_rules,
 )
 from pirate_sm.core._loading.robot.controls import resolve_controls, resolve_postures
-from pirate_sm.core._loading.robot.seen_states import resolve_sight
+from pirate_sm.core._loading.robot.criteria import resolve_sight
 from pirate_sm.core._loading.robot.sensing import resolve_boards, resolve_traction, thresholds
 from pirate_sm.core._loading.robot.signals import resolve_signals, resolve_words, words_behind
 from pirate_sm.core._loading.yaml.document import Document, read_document

@@ -1,7 +1,7 @@
 """What shows that a command is done: the kinds of criteria, their numbers, and their words.
 
 The thesis's robot could not distinguish "done" from "sent" (section 7-3-1). What sensors must show
-for each kind is in ``core/_loading/robot/done_criteria.py``.
+for each kind is in ``core/_loading/robot/criteria.py``.
 """
 
 from __future__ import annotations

@@ -10,7 +10,6 @@ from typing import Annotated, Literal, Self, TypeAlias
 from pydantic import BeforeValidator, Field, model_validator
 
 from pirate_sm.core._model.base import AlsoWritten, Format, Frozen, Name
-from pirate_sm.core._model.defect_text import defect_as_text
 from pirate_sm.core._model.quantities import (
     Acceleration,
     Angle,
@@ -26,6 +25,7 @@ from pirate_sm.core._model.quantities import (
     Stiffness,
     Torque,
 )
+from pirate_sm.core._model.run_options import defect_as_text
 
 
 class Coefficients(Frozen):
@@ -150,7 +150,7 @@ _MAPPED = {
 DefectText: TypeAlias = Annotated[
     str, BeforeValidator(defect_as_text), AlsoWritten(lambda _: [_MAPPED])
 ]
-"""A defect with its numbers; see :mod:`pirate_sm.core._model.defect_text`."""
+"""A defect with its numbers; see :mod:`pirate_sm.core._model.run_options`."""
 
 
 class Simulation(Frozen):

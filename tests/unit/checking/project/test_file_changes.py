@@ -11,8 +11,8 @@ import pytest
 
 from checking.small_missions import MISSION
 from pirate_sm.checking.check_project import check_paths
-from pirate_sm.checking.file_changes import FileChange, changes_of
 from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.reports.check_report import FileChange, changes_of
 from pirate_sm.core.documents import Edit, Place
 from pirate_sm.core.errors import UsageError
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.checking.robot import chart_view as guards
+from pirate_sm.checking.robot import robot_view as guards
 from pirate_sm.checking.robot.check_chart import check_chart, examine
 from pirate_sm.checking.robot.check_robot import check_robot
 from pirate_sm.core._loading.chart_exploration import compile_chart

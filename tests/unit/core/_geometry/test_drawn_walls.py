@@ -7,8 +7,7 @@ from math import pi
 import pytest
 
 from pirate_sm.core._geometry.network import Elbow, Mitre, Reducer, Segment, Straight, planar
-from pirate_sm.core._geometry.plane import drawn_walls, walls
-from pirate_sm.core._geometry.route import Route
+from pirate_sm.core._geometry.route import Route, drawn_walls, walls
 
 
 def of(*segments: Segment) -> Route:

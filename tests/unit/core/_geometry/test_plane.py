@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.core._geometry.network import Mitre, Segment, Straight, planar
-from pirate_sm.core._geometry.plane import crossing, inner_corner, turned, walls
-from pirate_sm.core._geometry.route import Route
+from pirate_sm.core._geometry.route import Route, crossing, inner_corner, turned, walls
 from pirate_sm.views.showing.picture import nearest_on
 
 RADIUS = 0.06

@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.core._engine.mission.planning import next_steps
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.robot import RobotSpec, RobotState, at_rest_in, marks_after, refusal, rules
+from pirate_sm.core.robot import RobotSpec, RobotState, at_rest_in, marks_after, refusal, safety
 from pirate_sm.core.sensing import nothing_known
 from pirate_sm.running.wiring import Order, load
 from pirate_sm.views.console.availability import commands_before
@@ -28,7 +28,7 @@ def index_of(robot: RobotSpec, name: str) -> int:
 def done(loaded: LoadedMission, body: RobotState, name: str) -> RobotState:
     """The robot after the command, as the engine carries it out."""
     robot, program = loaded.robot, loaded.program
-    places, _ = rules.follow(program, robot, rules.unseen(program), body, 0)
+    places, _ = safety.follow(program, robot, safety.unseen(program), body, 0)
     steps = next_steps(robot, program, nothing_known(robot, blind=True), body, places)
     return next(step.body for step, _ in steps if step.command == index_of(robot, name))
 

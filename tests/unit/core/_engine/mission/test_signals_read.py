@@ -8,7 +8,7 @@ import pytest
 from driving import IDLE, PIRATE
 
 from pirate_sm.core._engine.mission.program import DRIVEN, signals_read, slip_watched
-from pirate_sm.core._engine.robot.done_criteria import Bound, CriterionSpec, only
+from pirate_sm.core._engine.robot.criteria import Bound, CriterionSpec, only
 from pirate_sm.core._expressions import compile_condition
 
 WAITS = "wait: [{operator: stop, go: stopped}]"

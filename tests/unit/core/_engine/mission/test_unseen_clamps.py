@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from driving import BOTH_CLAMPED, REAR_CLAMPED, Driver, command
 
+from pirate_sm.core._engine import safety
 from pirate_sm.core._engine.mission import flow
 from pirate_sm.core._engine.moment import Moment
-from pirate_sm.core._engine.safety import rules
 from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
@@ -160,13 +160,13 @@ def test_two_rules_broken_in_a_pause_of_the_operator_stop_the_wheels_once(drive,
     reporting(driver, 1.3)
     command(driver, "DriveForward")
     reporting(driver, 2.0)
-    follow, before = rules.follow, len(driver.of(fx.Setpoints))
+    follow, before = safety.follow, len(driver.of(fx.Setpoints))
 
     def twice(*arguments):
         places, broken = follow(*arguments)
         return places, broken * 2
 
-    monkeypatch.setattr(rules, "follow", twice)
+    monkeypatch.setattr(safety, "follow", twice)
     reporting(driver, 3.3, silent=26)
 
     stops = driver.of(fx.Setpoints)[before:]

@@ -7,7 +7,7 @@ from math import nan
 import pytest
 
 from pirate_sm.core._engine.robot.actuation_spec import PositionSpec, TorqueSpec
-from pirate_sm.core._engine.robot.done_criteria import (
+from pirate_sm.core._engine.robot.criteria import (
     AngleSet,
     Bound,
     CriterionSpec,

@@ -8,11 +8,11 @@ from math import inf, nan
 import pytest
 from driving import IDLE, NEWT
 
+from pirate_sm.core._engine.robot.criteria import HeldSpec, LoadedJoint, SeenSpec
+from pirate_sm.core._engine.robot.evidence import SensorVerdict, Shown, shown_by, verdict
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import DECLARED, Mark, at_rest_in
-from pirate_sm.core._engine.robot.state_signs import HeldSpec, LoadedJoint, SeenSpec
-from pirate_sm.core._engine.robot.state_verdicts import SensorVerdict, Shown, shown_by, verdict
-from pirate_sm.core._loading.robot.seen_states import angles_shown, wheels_driven, wheels_stand
+from pirate_sm.core._loading.robot.criteria import angles_shown, wheels_driven, wheels_stand
 
 GRIP, NOSE = Mark("region", 0, DECLARED), Mark("part", 0, DECLARED)
 TARGET = angles_shown(((0, 0.0),), within=0.25, beyond=0.5, for_s=1.5)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.core._engine.robot.actuation_spec import PositionSpec
-from pirate_sm.core._engine.robot.done_criteria import (
+from pirate_sm.core._engine.robot.criteria import (
     AngleSet,
     Bound,
     CriterionSpec,

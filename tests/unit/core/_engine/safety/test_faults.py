@@ -18,9 +18,9 @@ from driving import (
     write_mission,
 )
 
+from pirate_sm.core._engine import safety
 from pirate_sm.core._engine.mission.program import HandlerSpec
-from pirate_sm.core._engine.safety import faults
-from pirate_sm.core._engine.safety.faults import FoundFault, silent_limit_s
+from pirate_sm.core._engine.safety import FoundFault, silent_limit_s
 from pirate_sm.core._engine.sensing.odometry import unheard
 from pirate_sm.core._engine.state import OUTSIDE, FaultState
 from pirate_sm.core._model import effects as fx
@@ -712,11 +712,11 @@ class TestLooking:
             of_it = frozenset(names.index(name) for name in signals)
             records[board.position] = records[board.position]._replace(doubted=of_it)
             sensing = sensing._replace(records=tuple(records))
-        found = faults.look(driver.robot, known, board, sensing, self.words(driver), now)
+        found = safety.look(driver.robot, known, board, sensing, self.words(driver), now)
         return (*found, board)
 
     def test_a_channel_that_loses_its_value_again_is_reported_again(self, driver):
-        known = faults.no_faults(driver.robot)
+        known = safety.no_faults(driver.robot)
         told = []
         for turn, theta in enumerate((0.0, math.nan, math.nan, 0.0, math.nan)):
             known, found, _ = self.seen(driver, known, float(turn), theta_1=theta)
@@ -725,13 +725,13 @@ class TestLooking:
         assert told == [[], ["theta_1 has no value"], [], [], ["theta_1 has no value"]]
 
     def test_a_value_that_is_doubted_is_not_missing(self, driver):
-        known = faults.no_faults(driver.robot)
+        known = safety.no_faults(driver.robot)
 
         assert self.seen(driver, known, 1.0, theta_1=math.nan)[1]
         assert self.seen(driver, known, 1.0, doubted=True, theta_1=math.nan)[1] == ()
 
     def test_a_board_that_reports_is_silent_no_more(self, driver):
-        known = faults.no_faults(driver.robot)
+        known = safety.no_faults(driver.robot)
         *_, board = self.seen(driver, known, 1.0)
         silent = known._replace(silent=frozenset({board.position, 99}))
 
@@ -741,12 +741,12 @@ class TestLooking:
         assert blind.silent == {99}
 
     def test_where_no_board_reports_that_is_said_once(self, driver):
-        sensing, known = driver.state.sensing, faults.no_faults(driver.robot)
+        sensing, known = driver.state.sensing, safety.no_faults(driver.robot)
         now = max(sensing.heard_s) + driver.robot.link.silent_after_s
 
-        known, found = faults.listen(driver.robot, known, sensing, now)
+        known, found = safety.listen(driver.robot, known, sensing, now)
         assert [each.code for each in found] == ["link.silent"]
-        assert faults.listen(driver.robot, known, sensing, now + 1.0) == (known, ())
+        assert safety.listen(driver.robot, known, sensing, now + 1.0) == (known, ())
 
     @staticmethod
     def ruled(driver, *answers: bool | None):
@@ -766,7 +766,7 @@ class TestLooking:
         robot, words = self.ruled(driver, True, None, False, True)
         known = FaultState((3.0, 3.0, 3.0, math.nan), frozenset({0, 1, 2}))
 
-        after = faults.unsettle(robot, known, driver.state.sensing, words)
+        after = safety.unsettle(robot, known, driver.state.sensing, words)
 
         assert after.since[0] == 3.0
         assert all(map(math.isnan, after.since[1:]))
@@ -777,7 +777,7 @@ class TestLooking:
         board = replace(next(iter(robot.boards.values())), faults=(0, 1))
         known = FaultState((3.0, 3.0), frozenset({0, 1}))
 
-        after, found = faults.look(robot, known, board, driver.state.sensing, words, 9.0)
+        after, found = safety.look(robot, known, board, driver.state.sensing, words, 9.0)
 
         assert found == ()
         assert all(map(math.isnan, after.since))
@@ -789,7 +789,7 @@ class TestLooking:
         times = [others_s] * len(driver.state.sensing.heard_s)
         times[0] = heard_s
         sensing = driver.state.sensing._replace(heard_s=tuple(times), loss=0.0)
-        return faults.listen(robot, known, sensing, now)
+        return safety.listen(robot, known, sensing, now)
 
     @pytest.mark.parametrize("begun_s", [0.0, 60.0])
     def test_belief_in_a_line_needs_reports_also_where_a_run_begins_late(self, driver, begun_s):
@@ -798,13 +798,13 @@ class TestLooking:
         sensing = driver.state.sensing._replace(heard_s=(begun_s, *(now,) * others), loss=0.3)
 
         begun = driver.engine.start(begun_s)[0].faults
-        assert faults.no_faults(robot).listening_s == 0.0
-        for known, silent in ((begun, 0), (faults.no_faults(robot, begun_s - 60.0), 1)):
-            assert len(faults.listen(robot, known, sensing, now)[1]) == silent
+        assert safety.no_faults(robot).listening_s == 0.0
+        for known, silent in ((begun, 0), (safety.no_faults(robot, begun_s - 60.0), 1)):
+            assert len(safety.listen(robot, known, sensing, now)[1]) == silent
 
     @pytest.mark.parametrize(("now", "silent"), [(11.0, True), (10.99, False)])
     def test_the_link_is_silent_once_no_board_has_reported_for_its_time(self, driver, now, silent):
-        known = faults.no_faults(driver.robot)
+        known = safety.no_faults(driver.robot)
 
         after, found = self.listened(driver, known, now, 10.0, 10.0)
 
@@ -813,7 +813,7 @@ class TestLooking:
 
     @pytest.mark.parametrize(("now", "silent"), [(10.4, True), (10.5, False), (10.9, False)])
     def test_a_single_board_is_judged_only_while_others_report(self, driver, now, silent):
-        known = faults.no_faults(driver.robot)
+        known = safety.no_faults(driver.robot)
 
         after, found = self.listened(driver, known, now, 5.0, 10.0)
 
@@ -825,7 +825,7 @@ class TestLooking:
             assert self.listened(driver, after, now, 5.0, 10.0) == (after, ())
 
     def test_a_single_board_is_silent_from_its_limit_on(self, driver):
-        known = faults.no_faults(driver.robot)
+        known = safety.no_faults(driver.robot)
         limit_s = silent_limit_s(replace(driver.robot.link, silent_after_s=1.0), 0.0)
         heard_s = 10.0 - limit_s
 
@@ -840,9 +840,9 @@ class TestLooking:
         times = [0.6] * len(driver.state.sensing.heard_s)
         times[0] = 0.0
         sensing = driver.state.sensing._replace(heard_s=tuple(times), loss=0.2)
-        known = faults.no_faults(driver.robot)
+        known = safety.no_faults(driver.robot)
 
-        _, found = faults.listen(robot, known, sensing, 1.0, alphabet)
+        _, found = safety.listen(robot, known, sensing, 1.0, alphabet)
 
         assert [each.code for each in found] == ["sensor.silent"] * silent
 
@@ -860,7 +860,7 @@ class TestLooking:
         distance = sensing.distance._replace(running=True)
         sensing = sensing._replace(numbers=tuple(numbers), connection=4, distance=distance)
 
-        after = faults.start_again(robot, sensing, 20.0, 2.0)
+        after = safety.start_again(robot, sensing, 20.0, 2.0)
 
         assert after.numbers[odometry] == 0.7
         assert all(math.isnan(value) for at, value in enumerate(after.numbers) if at != odometry)
@@ -872,7 +872,7 @@ class TestLooking:
     def test_a_robot_without_odometry_keeps_nothing(self, driver):
         robot = replace(driver.robot, odometry=-1)
 
-        after = faults.start_again(robot, driver.state.sensing, 20.0, 2.0)
+        after = safety.start_again(robot, driver.state.sensing, 20.0, 2.0)
 
         assert all(map(math.isnan, after.numbers))
 

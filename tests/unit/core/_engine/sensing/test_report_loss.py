@@ -6,7 +6,7 @@ from random import Random
 
 import pytest
 
-from pirate_sm.core._engine.safety.faults import LONGEST, silent_limit_s
+from pirate_sm.core._engine.safety import LONGEST, silent_limit_s
 from pirate_sm.core._engine.sensing.board_spec import LinkSpec
 from pirate_sm.core._engine.sensing.evaluator import loss_after
 

@@ -5,7 +5,7 @@ from math import sqrt
 import pytest
 
 from pirate_sm.core import library
-from pirate_sm.core._engine.robot.done_criteria import TorqueBorne
+from pirate_sm.core._engine.robot.criteria import TorqueBorne
 from pirate_sm.core._loading.mission.loader import holding_in, load_mission
 
 LEG_M, HEIGHT_M, FRICTION, WEIGHT_N = 0.09, 0.072, 0.7, 0.79 * 9.81

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core._engine.robot.done_criteria import TorqueBorne
+from pirate_sm.core._engine.robot.criteria import TorqueBorne
 from pirate_sm.core._loading.robot.commands import constants_of
 from pirate_sm.core._loading.robot.loader import (
     LoadedRobot,

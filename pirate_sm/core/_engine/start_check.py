@@ -19,7 +19,7 @@ from pirate_sm.core._engine.robot.command_outcome import doubt_grip
 from pirate_sm.core._engine.robot.declared_states import Before, LookResult
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import DECLARED, STOPPED, Mark, confirmed_parts
-from pirate_sm.core._engine.safety.faults import FoundFault
+from pirate_sm.core._engine.safety import FoundFault
 from pirate_sm.core._engine.state import EngineState
 from pirate_sm.core._engine.unwatched import changed, dark_way, denied, unproven
 from pirate_sm.core._model.effects import CommandStatus, Ended, Fault

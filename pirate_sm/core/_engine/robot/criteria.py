@@ -1,14 +1,15 @@
-"""What shows that a command is done, and whether it does.
+"""Criteria: what shows that a command is done, and the signs that show states and held parts.
 
 A criterion is a list of demands, which the loader makes of the kinds that a profile has
-(``core/_loading/robot/done_criteria.py``); nothing here knows these kinds. Under the active
+(``core/_loading/robot/criteria.py``); nothing here knows these kinds. Under the active
 setpoints and loops a demand becomes needs: bounds of single signals. A bound can be tested, be a
 condition for frames that pass unseen, and be a limit in words.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import lru_cache
 from math import copysign, inf, isnan
 from typing import Literal, NamedTuple, TypeAlias, TypeVar
@@ -295,3 +296,115 @@ def needs(criterion: CriterionSpec, setpoints: Numbers, loops: Loops) -> tuple[N
 def needs_of_signals(criterion: CriterionSpec, slots: int) -> tuple[Need, ...]:
     """Return what a criterion needs of signals, while each of so many slots has a setpoint."""
     return needs(criterion, (1.0,) * slots, ())
+
+
+# --- signs of states and held parts -----------------------------------------------------------
+
+
+OF_WHEELS = ("stopped", "turning")
+"""The kinds of states that show whether wheels stand or are driven."""
+
+
+class Sign(NamedTuple):
+    """What one signal shows of a state.
+
+    Attributes:
+        bound: What nothing contradicts that keeps to it, or is unknown.
+        unit: The unit in which it is shown.
+        otherwise: What is said after a value that contradicts the state.
+        limit: The limits, in tables.
+    """
+
+    bound: Bound
+    unit: Literal["deg", "rad/s"]
+    otherwise: str
+    limit: str
+
+    def contradicts(self, numbers: Numbers) -> bool:
+        """Return whether the signal contradicts the state."""
+        return not self.bound.holds(numbers)
+
+
+class SeenSpec(NamedTuple):
+    """How a state shows itself.
+
+    Attributes:
+        kind: The word of the profile for it.
+        needs: What confirms it; None: no sensor does.
+        signs: What contradicts it.
+        for_s: How long either must last.
+    """
+
+    kind: str
+    needs: tuple[Need, ...] | None = None
+    signs: tuple[Sign, ...] = ()
+    for_s: float = 0.0
+
+
+class LoadedJoint(NamedTuple):
+    """A joint of a held part: its slot, and the number indexes of its torque and rate.
+
+    Attributes:
+        needed_nm: The torque that it bears while its part holds.
+        least_nm: The smallest torque with which it may, if it stands still for longer.
+    """
+
+    slot: int
+    torque: int
+    rate: int
+    needed_nm: float
+    least_nm: float
+
+
+class HeldSpec(NamedTuple):
+    """Criterion of a held part; limits as in ``HeldPart`` of the profile.
+
+    Attributes:
+        settled_s: How long a part must stand still whose joints bear less than they should,
+            but ``least_nm``; infinite where that does not count.
+        diameter: Number index of the part's diameter; ``apex``: of its apex angle.
+        open_rad: Apex angle from which the part counts as open to its end stop.
+    """
+
+    joints: tuple[LoadedJoint, ...]
+    slack: float
+    still: float
+    diameter: int
+    apex: int
+    open_rad: float
+    span: float
+    span_off: float
+    for_s: float
+    settled_s: float = inf
+
+
+class DarkSpec(NamedTuple):
+    """What may have changed while nothing was recorded; limits as in the profile.
+
+    Attributes:
+        absolute: Places of the wheels whose angle is absolute.
+        top_m_s: Largest speed of a driven wheel's rim.
+    """
+
+    absolute: frozenset[int] = frozenset()
+    top_m_s: float = inf
+    agree_m: float = 0.0
+    tilt_rad: float = inf
+    joint_rad: float = inf
+
+
+@dataclass(frozen=True)
+class Sight:
+    """All criteria by which sensors confirm declared states at the start.
+
+    Attributes:
+        within_s: Longest duration of the comparison.
+        parts: Per part; None where no sensor can show that it is held.
+        states: Per region and state; no sensor can show a state that is missing here.
+        dark: What is compared besides when a run that was cut off is resumed.
+    """
+
+    within_s: float = 0.0
+    parts: tuple[HeldSpec | None, ...] = ()
+    states: tuple[Mapping[str, SeenSpec], ...] = ()
+    dark: DarkSpec = field(default_factory=DarkSpec)

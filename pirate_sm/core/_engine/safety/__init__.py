@@ -1,1 +1,0 @@
-"""Safety rules, faults found in the signals, and the start check against the sensors."""
