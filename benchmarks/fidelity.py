@@ -33,9 +33,9 @@ from pirate_sm.core.models import Friction
 from pirate_sm.core.options import USUAL, Fidelity
 from pirate_sm.lab.campaign.watched_run import Outcome
 from pirate_sm.running.wiring import Order
+from pirate_sm.simulation.kinematic.world import kinematic
 from pirate_sm.simulation.physics import chain_of
 from pirate_sm.simulation.start_pose import stand
-from pirate_sm.simulation.xpbd.world import kinematic
 
 FAST: Fidelity = "fast"
 CROSSING_M = 1.0

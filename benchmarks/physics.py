@@ -26,11 +26,11 @@ from pirate_sm.core.loading import load_robot
 from pirate_sm.core.models import Friction
 from pirate_sm.lab.campaign.watched_run import WATCHED_AFTER_S
 from pirate_sm.running.wiring import Order
+from pirate_sm.simulation.kinematic.space.space_world import SpaceWorld
+from pirate_sm.simulation.kinematic.world import World as KinematicWorld
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import ChainBody, MakePhysics, Physics, QuantityLayout, chain_of
 from pirate_sm.simulation.start_pose import stand
-from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
-from pirate_sm.simulation.xpbd.world import World as KinematicWorld
 
 CYCLE_S = 0.016
 CLAMP_FRONT = {1: -0.7, 2: 0.7}

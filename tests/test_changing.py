@@ -16,7 +16,7 @@ from followed_page import Command, Edit, apply, steps
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "docs" / "changing.md", ROOT / "docs" / "architecture.md"]
-COMPILED = "pirate_sm/simulation/xpbd"
+COMPILED = "pirate_sm/simulation/kinematic"
 COPIED = (
     "pirate_sm",
     "benchmarks",

@@ -26,11 +26,11 @@ from pirate_sm.robot.backends.protocol import Completion
 from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.electronics import BoardChannels
 from pirate_sm.simulation.gliding.glider import Glider
+from pirate_sm.simulation.kinematic.world import kinematic
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.simulated_robot import FullTruth, SimulatedRobot
 from pirate_sm.simulation.start_pose import Standing
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
-from pirate_sm.simulation.xpbd.world import kinematic
 
 # `advance` returns after this time even if the robot reports nothing.
 _SILENCE_S = 1.0

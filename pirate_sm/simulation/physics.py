@@ -324,7 +324,7 @@ class GlidingPhysics(Protocol):
     :func:`~pirate_sm.simulation.gliding.cycle.goes_on` after it, as long as both return true; the
     other :func:`~pirate_sm.simulation.gliding.cycle.may_pass` and
     :func:`~pirate_sm.simulation.gliding.cycle.passes_on`. They are all that a physics adds; see
-    :mod:`pirate_sm.simulation.xpbd.kernel`.
+    :mod:`pirate_sm.simulation.kinematic.kernel`.
     """
 
     @property
@@ -335,7 +335,7 @@ class GlidingPhysics(Protocol):
         """
 
     def glide(self, *groups: Any) -> None:
-        """Let cycles pass; the arguments are those of ``xpbd.kernel.glide`` from ``place`` on."""
+        """Let cycles pass; the arguments: ``kinematic.kernel.glide``'s from ``place`` on."""
 
     def pass_cycles(self, *groups: Any) -> None:
-        """Let cycles pass with the duties in force; as for ``xpbd.kernel.pass_cycles``."""
+        """Let cycles pass with the duties in force; as for ``kinematic.kernel.pass_cycles``."""

@@ -17,9 +17,9 @@ from pirate_sm.robot.backends.trace import TraceBackend
 from pirate_sm.simulation.backend import SimulatorBackend
 from pirate_sm.simulation.bay.node_handle import message_texts
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
+from pirate_sm.simulation.kinematic.world import World, kinematic
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
-from pirate_sm.simulation.xpbd.world import World, kinematic
 from pirate_sm.testing import Candidate
 
 from .obedient import ObedientPhysics

@@ -44,7 +44,7 @@ def run_bay(options: BayOptions) -> int:
         from pirate_sm.simulation.bay.node_handle import message_texts
         from pirate_sm.simulation.bay.terminal import StopSignals, Terminal, serve
         from pirate_sm.simulation.bay.virtual import VirtualBay
-        from pirate_sm.simulation.xpbd.world import is_compiled
+        from pirate_sm.simulation.kinematic.world import is_compiled
     except ModuleNotFoundError as error:
         raise without_messages(error) from None
     if options.log is not None:

@@ -35,7 +35,7 @@ MOST_CALLS = 5
 LEAST_SHARE = 0.1
 """The least share of a limit at which a near miss is listed."""
 
-_SIMULATOR = "pirate_sm.simulation.xpbd.world"
+_SIMULATOR = "pirate_sm.simulation.kinematic.world"
 
 
 def rehearsing(seeds: int) -> Rehearse:

@@ -61,7 +61,7 @@ def _sim(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
             built nor can it compile itself.
     """
     check_order(order, loaded)
-    from pirate_sm.simulation.xpbd.world import is_compiled, kinematic, notice_of
+    from pirate_sm.simulation.kinematic.world import is_compiled, kinematic, notice_of
 
     assert loaded.pipe is not None  # as checked above
     if not is_compiled(loaded.pipe.section):

@@ -29,10 +29,10 @@ from pirate_sm.simulation.bay.bay_defects import Switches
 from pirate_sm.simulation.bay.firmware import Firmware, Record
 from pirate_sm.simulation.bay.line import SerialLine
 from pirate_sm.simulation.bay.node_handle import Wire
+from pirate_sm.simulation.kinematic.world import kinematic
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.simulated_robot import FullTruth, SimulatedRobot
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
-from pirate_sm.simulation.xpbd.world import kinematic
 
 _SHORTEST_BOOT = 0.75
 """Share of the profile's boot time that a quick start takes: 1.5 to 2 s for an Arduino Mega."""

@@ -1,7 +1,7 @@
 """One cycle of the bus after the physics has moved, in compiled code.
 
 A physics has a function of its own that calls these two around its step, see
-:mod:`pirate_sm.simulation.xpbd.kernel`.
+:mod:`pirate_sm.simulation.kinematic.kernel`.
 """
 
 from __future__ import annotations

@@ -140,13 +140,15 @@ _PASSING = "Place Ints2 Floats2 Floats1 Words1 Floats1"
 """What gliding takes besides the chain, and what cycles take besides to pass."""
 
 ENTRY_POINTS = (
-    entry_point("pirate_sm.simulation.xpbd.kernel:advance", GROUPS["Bars"]),
-    entry_point("pirate_sm.simulation.xpbd.kernel:glide", f"Bars {_GLIDING}", long=True),
-    entry_point("pirate_sm.simulation.xpbd.kernel:pass_cycles", f"Bars {_PASSING}", long=True),
-    entry_point("pirate_sm.simulation.xpbd.space.kernel:advance", GROUPS["Round"]),
-    entry_point("pirate_sm.simulation.xpbd.space.kernel:glide", f"Round {_GLIDING}", long=True),
+    entry_point("pirate_sm.simulation.kinematic.kernel:advance", GROUPS["Bars"]),
+    entry_point("pirate_sm.simulation.kinematic.kernel:glide", f"Bars {_GLIDING}", long=True),
+    entry_point("pirate_sm.simulation.kinematic.kernel:pass_cycles", f"Bars {_PASSING}", long=True),
+    entry_point("pirate_sm.simulation.kinematic.space.kernel:advance", GROUPS["Round"]),
     entry_point(
-        "pirate_sm.simulation.xpbd.space.kernel:pass_cycles", f"Round {_PASSING}", long=True
+        "pirate_sm.simulation.kinematic.space.kernel:glide", f"Round {_GLIDING}", long=True
+    ),
+    entry_point(
+        "pirate_sm.simulation.kinematic.space.kernel:pass_cycles", f"Round {_PASSING}", long=True
     ),
     entry_point(
         "pirate_sm.simulation.digitizing:digitize", "Floats2 int int Floats1 Floats1 Words1"

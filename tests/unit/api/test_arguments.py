@@ -176,7 +176,7 @@ def test_a_refused_mission_can_be_run_with_check_false(faulty: Path) -> None:
 def test_what_takes_longer_than_a_moment_is_logged(
     caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("pirate_sm.simulation.xpbd.world.is_compiled", lambda section: False)
+    monkeypatch.setattr("pirate_sm.simulation.kinematic.world.is_compiled", lambda section: False)
 
     with caplog.at_level("INFO", logger="pirate_sm"):
         pirate_sm.session(PATROL)

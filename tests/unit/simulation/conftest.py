@@ -15,9 +15,9 @@ from pirate_sm.core.geometry import Network, Route, dot
 from pirate_sm.core.loading import validate
 from pirate_sm.core.models import Friction, Profile
 from pirate_sm.simulation.electronics import Electronics, routes_of, sensors_of
+from pirate_sm.simulation.kinematic.world import World
 from pirate_sm.simulation.physics import ChainBody, MakePhysics, Physics, QuantityLayout, chain_of
 from pirate_sm.simulation.start_pose import stand
-from pirate_sm.simulation.xpbd.world import World
 
 ROOT = Path(__file__).resolve().parents[3]
 CYCLE_S = 0.016

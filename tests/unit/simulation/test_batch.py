@@ -18,8 +18,8 @@ from pirate_sm.core.models import Pipe, Profile, Straight, Turns
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.batch import Batch
 from pirate_sm.simulation.gliding import columns as col
+from pirate_sm.simulation.kinematic.world import kinematic
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
-from pirate_sm.simulation.xpbd.world import kinematic
 
 from .conftest import CYCLE_S
 

@@ -13,7 +13,7 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.models import Defect, Profile
 from pirate_sm.simulation.acting_defect import ActingDefect
 from pirate_sm.simulation.defects import drawn, named, put_to_work
-from pirate_sm.simulation.xpbd import columns
+from pirate_sm.simulation.kinematic import columns
 
 from .conftest import CYCLE_S, Driver, straight
 

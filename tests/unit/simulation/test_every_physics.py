@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from pirate_sm.core.geometry import GRAVITY_M_S2
+from pirate_sm.simulation.kinematic.space.space_world import SpaceWorld
+from pirate_sm.simulation.kinematic.world import World as KinematicWorld
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
-from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
-from pirate_sm.simulation.xpbd.world import World as KinematicWorld
 
 from .conftest import CYCLE_S, Driver, bend, straight
 

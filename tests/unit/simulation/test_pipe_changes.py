@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 from pirate_sm.core._model.pipe_runs import Patch
 from pirate_sm.core.models import Pipe, Profile, Straight, Turns
+from pirate_sm.simulation.kinematic.world import World as KinematicWorld
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
 from pirate_sm.simulation.surroundings import gravity_of
-from pirate_sm.simulation.xpbd.world import World as KinematicWorld
 
 CYCLE_S = 0.016
 WORLDS = [KinematicWorld, MujocoWorld]

@@ -12,9 +12,9 @@ import pytest
 from pirate_sm.core._model.pipe import Attitude, Start
 from pirate_sm.core._model.pipe_runs import Junction
 from pirate_sm.core.models import Defect, Pipe, PipeRun, Profile, Straight
+from pirate_sm.simulation.kinematic.space.space_world import SpaceWorld
+from pirate_sm.simulation.kinematic.world import World, kinematic
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
-from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
-from pirate_sm.simulation.xpbd.world import World, kinematic
 
 from .conftest import CYCLE_S
 

@@ -33,7 +33,7 @@ import hashlib
 import numpy as np
 import pirate_sm
 from pirate_sm.lab.experiments.reduced_kernel import simulate
-from pirate_sm.simulation.xpbd.world import World
+from pirate_sm.simulation.kinematic.world import World
 
 hashed, advance = hashlib.sha256(), World.advance
 

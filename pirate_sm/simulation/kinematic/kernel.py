@@ -19,9 +19,8 @@ import numpy as np
 from pirate_sm.simulation.arrays import Floats, Ints, Words
 from pirate_sm.simulation.gliding import columns as gliding
 from pirate_sm.simulation.gliding.cycle import goes_on, may_begin, may_pass, note_places, passes_on
-from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd import columns as col
-from pirate_sm.simulation.xpbd.contacts import (
+from pirate_sm.simulation.kinematic import columns as col
+from pirate_sm.simulation.kinematic.contacts import (
     aim,
     clear,
     find_contacts,
@@ -30,7 +29,7 @@ from pirate_sm.simulation.xpbd.contacts import (
     solve_contacts,
     solve_corners,
 )
-from pirate_sm.simulation.xpbd.joints_and_motors import (
+from pirate_sm.simulation.kinematic.joints_and_motors import (
     lies,
     prepare_motors,
     solve_joints,
@@ -40,6 +39,7 @@ from pirate_sm.simulation.xpbd.joints_and_motors import (
     turn_wheels,
     turned_rad,
 )
+from pirate_sm.simulation.machine_code import compiled
 
 # --- how a call and a substep begin --------------------------------------------------------------
 
@@ -418,7 +418,7 @@ def glide(
     """Let cycles pass until a frame is not quiet, or time is up.
 
     Args:
-        chain: The arguments of :func:`~pirate_sm.simulation.xpbd.kernel.advance`.
+        chain: The arguments of :func:`~pirate_sm.simulation.kinematic.kernel.advance`.
         centres: Those of the wheels, in the state of the chain.
         place: See `gliding/columns.py`; so for the other groups, `clock` and `signals`.
         turns: Which channels each cycle reads.

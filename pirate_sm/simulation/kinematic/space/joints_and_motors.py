@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.kinematic.joints_and_motors import REACHED, resist, strongest
+from pirate_sm.simulation.kinematic.space import columns as col
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.joints_and_motors import REACHED, resist, strongest
-from pirate_sm.simulation.xpbd.space import columns as col
 
 # --- joints --------------------------------------------------------------------------------------
 

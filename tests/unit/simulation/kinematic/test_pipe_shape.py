@@ -20,8 +20,8 @@ from pirate_sm.core._geometry.network import (
 )
 from pirate_sm.core.geometry import Network, Piece, Route
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.xpbd.space import columns, walls
-from pirate_sm.simulation.xpbd.space.pipe_shape import PipeShape, shape_of
+from pirate_sm.simulation.kinematic.space import columns, walls
+from pirate_sm.simulation.kinematic.space.pipe_shape import PipeShape, shape_of
 
 Q = math.pi / 2
 STEP_M = 0.002

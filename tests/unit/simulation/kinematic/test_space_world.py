@@ -9,11 +9,11 @@ import pytest
 from pirate_sm.core._geometry.network import Mitre, Reducer, Straight, planar
 from pirate_sm.core.geometry import Network, Vector
 from pirate_sm.core.models import Profile
+from pirate_sm.simulation.kinematic import columns as plane
+from pirate_sm.simulation.kinematic.space import columns
+from pirate_sm.simulation.kinematic.space.space_world import SpaceWorld
+from pirate_sm.simulation.kinematic.world import World, kinematic
 from pirate_sm.simulation.physics import PER_WHEEL, SINGLE, chain_of
-from pirate_sm.simulation.xpbd import columns as plane
-from pirate_sm.simulation.xpbd.space import columns
-from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
-from pirate_sm.simulation.xpbd.world import World, kinematic
 
 from ..conftest import DIAMETER_M, Driver, bend, straight
 

@@ -21,8 +21,8 @@ from pirate_sm.core.geometry import (
     port_of,
 )
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.xpbd.space import columns
-from pirate_sm.simulation.xpbd.space.solids import (
+from pirate_sm.simulation.kinematic.space import columns
+from pirate_sm.simulation.kinematic.space.solids import (
     Hole,
     Plane,
     Row,

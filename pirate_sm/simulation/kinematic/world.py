@@ -14,9 +14,9 @@ from pirate_sm.core.models import Friction
 from pirate_sm.core.options import USUAL, Fidelity
 from pirate_sm.simulation import digitizing
 from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.kinematic import columns, kernel
 from pirate_sm.simulation.machine_code import is_kept, own_call
 from pirate_sm.simulation.physics import ChainBody, JointBody, Physics, StartPose
-from pirate_sm.simulation.xpbd import columns, kernel
 
 # --- the chain in arrays -------------------------------------------------------------------------
 
@@ -353,7 +353,7 @@ def kinematic(
     """Return the physics in a plane for bars, and in space for a round pipe."""
     if route.pieces[0].section == "bars":
         return World(chain, route, friction, pose, cycle_s, fidelity)
-    from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
+    from pirate_sm.simulation.kinematic.space.space_world import SpaceWorld
 
     return SpaceWorld(chain, route, friction, pose, cycle_s, fidelity)
 
@@ -362,7 +362,7 @@ def is_compiled(section: Section) -> bool:
     """Return whether a simulation can start at once; if not, its first call takes seconds."""
     functions: list[Callable[..., Any]] = [kernel.advance, kernel.glide, digitizing.digitize]
     if section == "round":
-        from pirate_sm.simulation.xpbd.space import kernel as kernel_in_space
+        from pirate_sm.simulation.kinematic.space import kernel as kernel_in_space
 
         functions[:2] = kernel_in_space.advance, kernel_in_space.glide
     return all(map(is_kept, functions))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from pirate_sm.simulation.xpbd import columns as plane
-from pirate_sm.simulation.xpbd.space import columns as space
+from pirate_sm.simulation.kinematic import columns as plane
+from pirate_sm.simulation.kinematic.space import columns as space
 
 OF_JOINTS_AND_MOTORS = ("J_", "JOINT_", "WHEEL_", "LINK_", "T_")
 

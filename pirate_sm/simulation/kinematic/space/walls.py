@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.kinematic.space import columns as col
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.space import columns as col
 
 # How much nearer than they were a wheel or link may come to a wall during a call, besides what its
 # speed brings it.

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.kinematic.space import columns as col
+from pirate_sm.simulation.kinematic.space.walls import faces_edge, foot, on_edge
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.space import columns as col
-from pirate_sm.simulation.xpbd.space.walls import faces_edge, foot, on_edge
 
 # Below this share of its radius a wheel that lies on its side does not roll.
 _LEAST_ROLLING = 0.05

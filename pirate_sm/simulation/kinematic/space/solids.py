@@ -15,7 +15,7 @@ import numpy as np
 
 from pirate_sm.core.geometry import Arc, Frame, Vector, combined, crossed, dot, scaled
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.xpbd.space import columns
+from pirate_sm.simulation.kinematic.space import columns
 
 
 class Plane(NamedTuple):

@@ -8,9 +8,9 @@ import pytest
 
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, prepare
+from pirate_sm.simulation.kinematic.space import columns
 from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.start_pose import normals_of
-from pirate_sm.simulation.xpbd.space import columns
 
 
 @pytest.mark.parametrize("mission", ["take_branch", "two_bends_up"])

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from pirate_sm.core.models import Profile
+from pirate_sm.simulation.kinematic import columns
 from pirate_sm.simulation.physics import PER_WHEEL, SINGLE, chain_of
-from pirate_sm.simulation.xpbd import columns
 
 from ..conftest import CYCLE_S, DIAMETER_M, Driver, bend, straight, vertical
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.kinematic.space import columns as col
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.space import columns as col
 
 
 @compiled

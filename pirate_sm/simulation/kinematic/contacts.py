@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.kinematic import columns as col
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd import columns as col
 
 
 @compiled

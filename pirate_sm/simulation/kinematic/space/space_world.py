@@ -10,11 +10,11 @@ from pirate_sm.core.geometry import GRAVITY_M_S2, Route, Vector
 from pirate_sm.core.models import Friction
 from pirate_sm.core.options import USUAL, Fidelity
 from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.kinematic.space import columns, kernel
+from pirate_sm.simulation.kinematic.space.pipe_shape import shape_of
+from pirate_sm.simulation.kinematic.world import EFFORTS, ChainWorld
 from pirate_sm.simulation.physics import ChainBody, StartPose
 from pirate_sm.simulation.start_pose import lying, normals_of
-from pirate_sm.simulation.xpbd.space import columns, kernel
-from pirate_sm.simulation.xpbd.space.pipe_shape import shape_of
-from pirate_sm.simulation.xpbd.world import EFFORTS, ChainWorld
 
 # --- the state -----------------------------------------------------------------------------------
 

@@ -4,7 +4,7 @@ Python calls :func:`advance` and, for many cycles, :func:`glide` and :func:`pass
 modules of this folder hold functions that they call, and `columns.py` the names of the columns of
 their arrays.
 
-The method is that of the planar kernel (`xpbd/kernel.py`). What space adds:
+The method is that of the planar kernel (`kinematic/kernel.py`). What space adds:
 
 - A part of the robot, ahead of or behind the roll joint, lies in a plane of its own. Its unit
   normal `n` is perpendicular to the roll link's direction `e`, and rolls about it: `n` turns
@@ -26,10 +26,9 @@ import numpy as np
 from pirate_sm.simulation.arrays import Floats, Ints, Words
 from pirate_sm.simulation.gliding import columns as gliding
 from pirate_sm.simulation.gliding.cycle import goes_on, may_begin, may_pass, note_places, passes_on
-from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.joints_and_motors import prepare_motors, turn_motor
-from pirate_sm.simulation.xpbd.space import columns as col
-from pirate_sm.simulation.xpbd.space.contacts import (
+from pirate_sm.simulation.kinematic.joints_and_motors import prepare_motors, turn_motor
+from pirate_sm.simulation.kinematic.space import columns as col
+from pirate_sm.simulation.kinematic.space.contacts import (
     clear,
     find_contacts,
     find_leaning,
@@ -39,7 +38,7 @@ from pirate_sm.simulation.xpbd.space.contacts import (
     solve_contacts,
     solve_leaning,
 )
-from pirate_sm.simulation.xpbd.space.joints_and_motors import (
+from pirate_sm.simulation.kinematic.space.joints_and_motors import (
     keep,
     lie_in_planes,
     solve_joints,
@@ -51,8 +50,9 @@ from pirate_sm.simulation.xpbd.space.joints_and_motors import (
     turn_wheels,
     turned_rad,
 )
-from pirate_sm.simulation.xpbd.space.sensing import feel, project
-from pirate_sm.simulation.xpbd.space.walls import look_around
+from pirate_sm.simulation.kinematic.space.sensing import feel, project
+from pirate_sm.simulation.kinematic.space.walls import look_around
+from pirate_sm.simulation.machine_code import compiled
 
 # --- how a substep begins ------------------------------------------------------------------------
 
@@ -410,7 +410,7 @@ def glide(
     """Let cycles pass until a frame is not quiet, or time is up.
 
     Args:
-        chain: The arguments of :func:`~pirate_sm.simulation.xpbd.space.kernel.advance`.
+        chain: The arguments of :func:`~pirate_sm.simulation.kinematic.space.kernel.advance`.
         centres: Those of the wheels, in the state of the chain.
         place: See `gliding/columns.py`; so for the other groups, `clock` and `signals`.
         turns: Which channels each cycle reads.

@@ -9,9 +9,9 @@ from functools import partial
 import pytest
 
 from pirate_sm.core.options import Fidelity
+from pirate_sm.simulation.kinematic.space.space_world import SpaceWorld
+from pirate_sm.simulation.kinematic.world import World, kinematic, notice_of
 from pirate_sm.simulation.physics import MakePhysics
-from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
-from pirate_sm.simulation.xpbd.world import World, kinematic, notice_of
 
 from ..conftest import Driver, straight
 

@@ -6,7 +6,7 @@ import pytest
 
 from pirate_sm.core._geometry.network import Mitre, Straight, planar
 from pirate_sm.core.geometry import GRAVITY_M_S2, Route
-from pirate_sm.simulation.xpbd.world import leg_rows, wall_rows
+from pirate_sm.simulation.kinematic.world import leg_rows, wall_rows
 
 RADIUS = 0.06
 
