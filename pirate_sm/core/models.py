@@ -39,6 +39,7 @@ from pirate_sm.core._model.robot.actuation import (
     Target,
 )
 from pirate_sm.core._model.robot.body import Body, Link, Motor, Wheel
+from pirate_sm.core._model.robot.defects import Defect, DefectText, Kind
 from pirate_sm.core._model.robot.profile import (
     Board,
     Channel,
@@ -54,10 +55,7 @@ from pirate_sm.core._model.robot.profile import (
 from pirate_sm.core._model.robot.signals import Advice, Serial, SetpointTopic, StateTopic
 from pirate_sm.core._model.robot.simulation import (
     SIMULATORS,
-    Defect,
-    DefectText,
     Friction,
-    Kind,
     LineFaults,
     RulerSettings,
     Twin,

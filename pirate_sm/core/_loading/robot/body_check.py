@@ -8,7 +8,7 @@ from typing import get_args
 from pirate_sm.core._loading.problems import Path, Problems
 from pirate_sm.core._model.robot import profile as model
 from pirate_sm.core._model.robot.body import Body
-from pirate_sm.core._model.robot.simulation import Defect
+from pirate_sm.core._model.robot.defects import Defect
 
 MOTOR_NEEDS = {
     "sprung_worm": ("stall_torque", "stall_current", "no_load_speed", "stiffness"),
