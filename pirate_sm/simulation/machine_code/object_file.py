@@ -41,11 +41,12 @@ _NUMBERS = {"float": types.float64, "int": types.int64, "bool": types.boolean, "
 
 def write_object_file(into: Path) -> None:
     """Write the object file, for any processor of this machine's kind."""
+    sources = digest(SOURCES)  # as they are before: a file that changes meanwhile must not fit
     context = cpu_target.target_context.with_aot_codegen("pirate_sm", cpu_name="")
     with global_compiler_lock:
         library = context.codegen().create_library("pirate_sm")
         compiled = [_compile(entry, context, library) for entry in ENTRY_POINTS]
-        library.add_ir_module(_fronts(compiled, context, library))
+        library.add_ir_module(_fronts(compiled, sources, context, library))
         library.finalize()
         _hide(library, {entry.symbol for entry in ENTRY_POINTS})
         into.write_bytes(library.emit_native_object())
@@ -72,12 +73,12 @@ def _type(argument: Argument) -> Any:
     return _NUMBERS[argument.kind]
 
 
-def _fronts(compiled: Sequence[Any], context: Any, library: Any) -> Any:
+def _fronts(compiled: Sequence[Any], sources: str, context: Any, library: Any) -> Any:
     """Return a module with a C function in front of each compiled one, and the list of sources."""
     module = library.create_ir_module("fronts")
     for entry, each in zip(ENTRY_POINTS, compiled, strict=True):
         _front(entry, each, context, module)
-    text = json.dumps({"files": SOURCES, "digest": digest(SOURCES)}).encode() + b"\0"
+    text = json.dumps({"files": SOURCES, "digest": sources}).encode() + b"\0"
     constant = ir.Constant(ir.ArrayType(ir.IntType(8), len(text)), bytearray(text))
     manifest = ir.GlobalVariable(module, constant.type, MANIFEST)
     manifest.global_constant = True

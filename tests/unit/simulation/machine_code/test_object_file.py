@@ -1,0 +1,30 @@
+"""The object file of the compiled functions, which says what it was made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.simulation.machine_code import object_file
+from pirate_sm.simulation.machine_code.entry_points import EntryPoint
+
+
+def test_sources_that_change_while_they_are_compiled_do_not_fit_the_library(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A library of which half is new would otherwise be taken for the new sources'."""
+    sources = ["as they were"]
+
+    class Compiled:
+        def __iter__(self) -> Iterator[EntryPoint]:
+            sources.append("as they are")
+            return iter(())
+
+    monkeypatch.setattr(object_file, "ENTRY_POINTS", Compiled())
+    monkeypatch.setattr(object_file, "digest", lambda _: sources[-1])
+
+    object_file.write_object_file(tmp_path / "functions.o")
+
+    assert b"as they were" in (tmp_path / "functions.o").read_bytes()
