@@ -18,6 +18,7 @@ from ..robots import ROOT
 PACKAGE = ROOT / "pirate_sm"
 SOURCES = [
     *sorted((PACKAGE / "core" / "_loading").rglob("*.py")),
+    PACKAGE / "core" / "generated_missions.py",
     *sorted((PACKAGE / "checking").rglob("*.py")),
     PACKAGE / "lab" / "experiments" / "experiment_files.py",
     PACKAGE / "lab" / "gallery" / "scene_file.py",
