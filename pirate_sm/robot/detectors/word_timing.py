@@ -310,7 +310,7 @@ class WordDetector:
     def _to_points_m(self) -> Iterator[float]:
         """Yield how far wheels are beyond each point where a word begins or ends, m."""
         direction, points = self._direction, self._points[self._direction > 0]
-        for bend in range(len(self._bends)):
+        for bend in range(len(self._bends) if direction else 0):  # 0: before the first look
             for number in range(len(points)):
                 way_m = beyond_m(number, bend, direction, self._places_m, points, self._bends)
                 yield from (way_m, way_m - FORGOTTEN_M)

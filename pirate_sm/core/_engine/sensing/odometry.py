@@ -39,9 +39,9 @@ _LEANS, _LEANS_AT_MOST = 0.25, 0.02
 of the way that this is at most: in drawn pipes it was right within 2 % of the way, however much
 they lacked [measured]."""
 
-_DRAGS = 0.08
-"""Share of the way by which wheels on the sides of their tyres may be wrong while they drag dead
-wheels: under this load they creep, by up to 7 % of the way in drawn pipes [measured]."""
+_DRAGS, _DRAGS_AT_MOST = 4.0, 0.08
+"""The same while they drag dead wheels: under this load they creep, by up to 7 % of the way in
+drawn pipes [measured]."""
 
 _SOME = 0.35
 """Share of the differences that counts where some wheels slip and others roll [decided]."""
@@ -144,8 +144,8 @@ def judge(
         apart_m = copysign(max(0.0, abs(apart_m) - slipped_m), apart_m)
     paces_m_s = _paces_m_s(robot, sensing)
     late_m, gone_m = _late_m(robot, sensing, by, setpoints, paces_m_s, now_s)
-    leaning = _DRAGS if lacking and by.out else min(_LEANS * lacking, _LEANS_AT_MOST)
-    wrong = _SHARE + _LOST * sensing.loss + leaning
+    leans, at_most = (_DRAGS, _DRAGS_AT_MOST) if by.out else (_LEANS, _LEANS_AT_MOST)
+    wrong = _SHARE + _LOST * sensing.loss + min(leans * lacking, at_most)
     width_m = memory.width_m + wrong * abs(by.moved_m) + BALANCED * abs(by.missed_m) + gone_m
     sliding_m_s = memory.sliding_m_s + grip.pull_m_s2 * elapsed_s
     pending = grip.slips and (changes or grip.vague)

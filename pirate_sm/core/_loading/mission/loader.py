@@ -19,8 +19,8 @@ from pydantic import ValidationError
 
 from pirate_sm.core import library
 from pirate_sm.core._engine.mission.program import Program
-from pirate_sm.core._engine.robot.criteria import CriterionSpec, HeldSpec, TorqueBorne
-from pirate_sm.core._engine.robot.robot_spec import RobotSpec
+from pirate_sm.core._engine.robot.criteria import CriterionSpec, HeldSpec, Sight, TorqueBorne
+from pirate_sm.core._engine.robot.robot_spec import CommandSpec, RobotSpec
 from pirate_sm.core._geometry.chain import holding_nm
 from pirate_sm.core._geometry.network import tilted_up
 from pirate_sm.core._geometry.space import GRAVITY_M_S2, dot
@@ -312,12 +312,16 @@ def holding_in(robot: RobotSpec, profile: Profile, pipe: Pipe | None) -> RobotSp
                 holding_nm(weight_n * slope, friction, leg_m, bore_m - 2 * body.wheel_radius)
                 for slope, bore_m in _steep_places(pipe, 2 * body.wheel_radius)
             )
-    return _with_torques(robot, tuple(least_nm.items()))
+    commands, sight = _with_torques(robot, tuple(least_nm.items()))
+    # Each mission has a robot of its own: what is compiled of its triggers is kept with that.
+    return replace(robot, commands=commands, sight=sight)
 
 
 @lru_cache(maxsize=16)  # most missions are for the same few pipes
-def _with_torques(robot: RobotSpec, torques: tuple[tuple[int, float], ...]) -> RobotSpec:
-    """Return the robot with these torques as the smallest of its clamps, by number indexes."""
+def _with_torques(
+    robot: RobotSpec, torques: tuple[tuple[int, float], ...]
+) -> tuple[tuple[CommandSpec, ...], Sight]:
+    """Return its commands and its sight with these torques as the smallest, by number indexes."""
     least_nm = dict(torques)
     commands = tuple(
         replace(
@@ -331,7 +335,7 @@ def _with_torques(robot: RobotSpec, torques: tuple[tuple[int, float], ...]) -> R
         for command in robot.commands
     )
     parts = tuple(each and _held(each, least_nm) for each in robot.sight.parts)
-    return replace(robot, commands=commands, sight=replace(robot.sight, parts=parts))
+    return commands, replace(robot.sight, parts=parts)
 
 
 def _steep_places(pipe: Pipe | None, narrowest_m: float) -> Iterator[tuple[float, float]]:

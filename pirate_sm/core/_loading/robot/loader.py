@@ -133,7 +133,7 @@ def read_robot(folder: Path) -> tuple[LoadedRobot, Problems]:
     if not problems.all:
         _SOUND[texts] = robot
         if len(_SOUND) > _MOST_SOUND:
-            del _SOUND[next(iter(_SOUND))]
+            _SOUND.pop(next(iter(_SOUND)), None)  # another thread may have removed it
     return robot, problems
 
 

@@ -246,7 +246,7 @@ def parse_document(text: str | bytes, name: str) -> Document:
         raise _too_large(name)
     _refuse_unprintable(decoded, name)
     lines = tuple(decoded.splitlines())
-    root, faults = _composed(decoded)
+    root, faults = (_composed if len(decoded) <= _LARGEST_KEPT else compose)(decoded)
     problems = [
         Problem(
             fault.code,
@@ -266,7 +266,10 @@ def parse_document(text: str | bytes, name: str) -> Document:
 
 
 _composed: Final = lru_cache(maxsize=32)(compose)
-"""The trees of the last texts, for missions share robots and pipes; a tree never changes."""
+"""The trees of the last texts, for missions share robots and pipes. They must not be changed."""
+
+_LARGEST_KEPT: Final = 200_000
+"""Of larger texts the trees are not kept, characters: one takes 20 MB. A profile has 30,000."""
 
 
 def _decoded(content: bytes, name: str, expected: str) -> str:

@@ -350,3 +350,10 @@ def test_the_next_look_at_driven_wheels_is_before_one_can_be_where_a_word_begins
     driven.look(0.0, [first_m - length for length in LENGTHS], 1)
 
     assert driven.wait_s(0.1) == pytest.approx(wait_s)
+
+
+def test_where_words_begin_does_not_matter_before_the_first_look() -> None:
+    one = detector()
+    one.see(0.0, [0.9, 0.8, 0.7], 1, 0.0)
+
+    assert one.wait_s(0.1) == pytest.approx(0.15)

@@ -386,14 +386,17 @@ def test_a_wheel_that_is_dead_is_taken_out_with_the_way_that_it_lacks() -> None:
     assert odometry_m > 0.0, "what it lacked has been added"
 
 
-def test_belief_in_the_way_of_wheels_that_lean_ends_sooner_while_they_drag_dead_ones() -> None:
+@pytest.mark.parametrize(("span_m", "share"), [(0.118, 0.08), (0.1199, 4 * 0.1 / 72), (0.121, 0)])
+def test_belief_in_the_way_of_wheels_that_lean_ends_sooner_while_they_drag_dead_ones(
+    span_m: float, share: float
+) -> None:
     world = World()
-    world.spans_m, world.bores_m = [0.118] * 2, (0.12,)
+    world.spans_m, world.bores_m = [span_m] * 2, (0.12,)
     world.speeds, world.force = [SPEED] * 3 + [0.0] * 3, 0.0
     world.drive(10)
 
     assert world.sensing.distance.out == {3, 4, 5}
-    assert world.drive(5) == pytest.approx((0.006 + 0.08) * way_m(5))
+    assert world.drive(5) == pytest.approx((0.006 + share) * way_m(5))
 
 
 @pytest.mark.parametrize(

@@ -42,3 +42,11 @@ def test_a_profile_that_names_a_torque_means_it(loaded_newt):
     held = robot.commands[robot.table.command_index["HoldNose"]].done
     assert [(load.full_nm, load.least_nm) for load in held.asked(TorqueBorne)] == [(0.0, 0.25)]
     assert held.settled is None
+
+
+def test_what_is_kept_with_the_robot_of_a_mission_ends_with_the_mission():
+    """Compiled triggers are: robots that missions share would keep those of all that ever ran."""
+    first, second = (load_mission(library.find_mission("climb")) for _ in range(2))
+
+    assert first.robot is not second.robot
+    assert first.robot.commands is second.robot.commands, "raised once"
