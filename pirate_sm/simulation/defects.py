@@ -275,7 +275,7 @@ def named(texts: Sequence[str], profile: Profile, seed: int) -> list[AtWork]:
     A range and the number that :func:`drawn` returns for it make the same defect.
 
     Args:
-        texts: The defects, see :mod:`pirate_sm.core.models`.
+        texts: The defects, see :mod:`pirate_sm.core.options`.
         profile: The robot's profile.
         seed: Of their random numbers, and of those with which ranges are drawn.
 

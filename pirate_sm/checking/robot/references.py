@@ -388,6 +388,8 @@ def _parts_of_signals(view: RobotView) -> dict[str, str]:
     }
     for name, own in view.profile.derived.items():
         of = {each if own.OF == "parts" else found.get(each, "") for each in own.sources}
+        if own.OF == "wheels":  # a signal may have the name of a wheel
+            continue
         if len(of) == 1 and any(of):
             (found[name],) = of
     return found

@@ -27,6 +27,7 @@ from pirate_sm.core._engine.robot.robot_state import (
 )
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._engine.state import EngineState
+from pirate_sm.core.units import ACCELERATION
 
 # --- what still counts ------------------------------------------------------------------------
 
@@ -101,8 +102,11 @@ def changed(robot: RobotSpec, was: Numbers, marks: Marks, numbers: Numbers) -> I
 
 def _tilt_rad(robot: RobotSpec, was: Numbers, now: Numbers) -> float:
     """Return the angle between the recorded direction of gravity and that of now; NaN unknown."""
+    known = robot.vocabulary
     for board in robot.boards.values():
         for sources in board.vectors:
+            if any(known.dimension(known.numbers[each]) != ACCELERATION for each in sources):
+                continue
             before = [was[source] for source in sources]
             after = [now[source] for source in sources]
             size = hypot(*before) * hypot(*after)

@@ -341,14 +341,6 @@ JITTER = tuple(each for each in OPTIONS.values() if each.key)
 """Those that say how far a simulated run may differ from its files."""
 
 
-# --- the text of a defect ---------------------------------------------------------------------
-
-# A defect is written ``stiff_joint:friction=0.9Nm,after=2s``, its name and its numbers, which
-# replace those of the profile. A range, ``after=2s..20s``, is drawn uniformly from the seed of the
-# run, which shows and records the number that was drawn. Files and Python may write a mapping:
-# ``{defect: stiff_joint, after: 2 s}``.
-
-
 class DefectKey(NamedTuple):
     """A number that a defect takes.
 
@@ -372,6 +364,13 @@ DEFECT_KEYS: Final[Mapping[str, DefectKey]] = {
     "by": DefectKey("how far the zero jumps"),
     "shows": DefectKey("what the sensor shows"),
 }
+"""The numbers of defects.
+
+A defect is written ``stiff_joint:friction=0.9Nm,after=2s``: its name and its numbers, which replace
+those of the profile. A range, ``after=2s..20s``, is drawn uniformly from the seed of the run, which
+shows and records the number that was drawn. Files and Python may write a mapping:
+``{defect: stiff_joint, after: 2 s}``.
+"""
 _SPELLS: Final = ("after", "every", "lasting")
 _TAKES: Final[Mapping[str, tuple[str, ...]]] = {
     "dead_wheel": ("friction", "after"),

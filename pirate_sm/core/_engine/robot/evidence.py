@@ -166,11 +166,11 @@ def _gripping(
         if any(not abs(numbers[joint.rate]) < spec.still for joint in spec.joints):
             continue
         off = _span(robot, body, spec, numbers, diameter_m)
-        told = _like_a_clamp(spec, numbers, off)
-        if not told and diameter_m is not None and not _as_declared(declared, spec, numbers):
-            told = _like_a_grip(robot, spec, numbers, off)
-        if told:
-            return SensorVerdict(False, f"the {robot.parts[part]} part {told}", spec.for_s)
+        unlike = _like_a_clamp(spec, numbers, off)
+        if not unlike and diameter_m is not None and not _as_declared(declared, spec, numbers):
+            unlike = _like_a_grip(robot, spec, numbers, off)
+        if unlike:
+            return SensorVerdict(False, f"the {robot.parts[part]} part {unlike}", spec.for_s)
     return None
 
 
@@ -233,7 +233,7 @@ def _held(
     off = _span(robot, body, spec, numbers, diameter_m)
     against = []
     if off > spec.span_off:
-        against.append(_span_told(robot, body, spec, numbers, diameter_m))
+        against.append(_span_against(robot, body, spec, numbers, diameter_m))
     if all(torque < spec.slack for torque in borne):
         names = ", ".join(robot.vocabulary.numbers[joint.torque] for joint in spec.joints)
         shown = ", ".join(str(round(torque * 1000)) for torque in borne)
@@ -267,20 +267,20 @@ def _span(
     return max([abs(shown - each) / each for each in known], default=0.0)
 
 
-def _span_told(
+def _span_against(
     robot: RobotSpec, body: RobotState, spec: HeldSpec, numbers: Numbers, diameter_m: float | None
 ) -> str:
     """Return a sentence that explains why the diameter of a part contradicts that it holds."""
     names, shown = robot.vocabulary.numbers, numbers[spec.diameter]
-    told = f"{names[spec.diameter]} shows {shown * 1000:.0f} mm"
+    shows = f"{names[spec.diameter]} shows {shown * 1000:.0f} mm"
     limit = f"limit {spec.span_off:.0%} off"
     if abs(numbers[spec.apex]) >= spec.open_rad:
-        return f"{told}, it has opened to its end stop"
+        return f"{shows}, it has opened to its end stop"
     if diameter_m is not None:
-        return f"{told}, the pipe has {diameter_m * 1000:.0f} mm, {limit}"
+        return f"{shows}, the pipe has {diameter_m * 1000:.0f} mm, {limit}"
     others = _others(robot, body, spec)
     worst = max(others, key=lambda other: abs(shown - numbers[other]) / numbers[other])
-    return f"{told}, {names[worst]} {numbers[worst] * 1000:.0f} mm, {limit}"
+    return f"{shows}, {names[worst]} {numbers[worst] * 1000:.0f} mm, {limit}"
 
 
 def _others(robot: RobotSpec, body: RobotState, spec: HeldSpec) -> list[int]:

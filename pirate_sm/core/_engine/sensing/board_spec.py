@@ -18,7 +18,7 @@ if TYPE_CHECKING:  # a model of a file, which the engine does not load
 
 
 class WatchSpec(NamedTuple):
-    """Limits of a sensor that measures a motor, in SI units.
+    """Limits of a sensor that measures a motor or has limits of its own, in SI units.
 
     Attributes:
         number: Index of its number.
@@ -28,7 +28,7 @@ class WatchSpec(NamedTuple):
         rate: Fastest change per second but for the unwinding of its spring; ``slack`` is allowed
             in addition.
         moved: Smallest change that counts as motion; infinite if it measures no motion.
-        slot: Index of the setpoint of its motor.
+        slot: Index of the setpoint of its motor; -1 without one.
         joint: Whether it is the angle of a joint, which cannot restart as a counter can.
         least_duty: Below this duty the motor may stand still although driven.
         load: Index of the current of the same motor; -1 if it is not measured.

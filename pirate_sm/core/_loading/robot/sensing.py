@@ -60,13 +60,13 @@ def _board(signals: Signals, number: int, board: model.Board, position: int) -> 
         for place, channel in enumerate(board.channels)
         if channel.signal
     )
-    told = {names[target] for _, target, _ in channels}
+    measured = {names[target] for _, target, _ in channels}
     computed = tuple(
         row
         for name, derived in signals.profile.derived.items()
-        for row in _rows(signals, name, derived, told)
+        for row in _rows(signals, name, derived, measured)
     )
-    wheels = tuple(w for w in signals.wheels if names[w.angle] in told)
+    wheels = tuple(w for w in signals.wheels if names[w.angle] in measured)
     return BoardSpec(board.id, board.module, position, channels, computed, wheels, ())
 
 
@@ -75,22 +75,22 @@ def _scale(signals: Signals, channel: model.Channel) -> float:
 
 
 def _rows(
-    signals: Signals, name: str, derived: kinds.Derived, told: set[str]
+    signals: Signals, name: str, derived: kinds.Derived, measured: set[str]
 ) -> Iterator[DerivedSpec]:
-    """Yield how a board derives a signal from those that it tells; nothing if one is missing."""
+    """Yield how a board derives a signal from those that it measures; nothing if one is missing."""
     rows = tuple(derived.rows(name, signals.profile.body))
-    if {source for row in rows for source in row.sources} - told - {name}:
+    if {source for row in rows for source in row.sources} - measured - {name}:
         return
     names, slots = signals.vocabulary.numbers, [slot.name for slot in signals.profile.slots]
-    for how, sources, slot, constants in rows:
+    for row in rows:
         yield DerivedSpec(
-            how,
+            row.operation,
             names.index(name),
-            tuple(map(names.index, sources)),
-            slots.index(slot) if slot else -1,
+            tuple(map(names.index, row.sources)),
+            slots.index(row.slot) if row.slot else -1,
             tuple(
                 signals.constant(each, ("derived", name))[0] if isinstance(each, str) else each
-                for each in constants
+                for each in row.constants
             ),
         )
 
@@ -147,11 +147,13 @@ def _angle_limits(
     if stop is None:
         return watch
     most = stop + own.beyond_stop
-    watch = watch._replace(low=-most, high=most, joint=True, moved=own.joint_moved)
+    low, high = max(watch.low, -most), min(watch.high, most)
+    watch = watch._replace(low=low, high=high, joint=True, moved=own.joint_moved)
     torque = _of_motor("torque", board.channels, slot, numbers)
     if torque >= 0 and motor.stiffness is not None and motor.no_load_speed is not None:
         # What others push shows as torque, so that the motor's own speed is the limit.
-        watch = watch._replace(torque=torque, stiffness=motor.stiffness, rate=motor.no_load_speed)
+        rate = min(watch.rate, motor.no_load_speed)
+        watch = watch._replace(torque=torque, stiffness=motor.stiffness, rate=rate)
         winds = inf if motor.stall_torque is None else motor.stall_torque
         watch = watch._replace(spring=own.spring, winds=winds)
     load = _of_motor("current", board.channels, slot, numbers)

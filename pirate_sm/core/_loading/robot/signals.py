@@ -262,7 +262,7 @@ def _outside(signals: Signals, types: _Types) -> None:
         except QuantityError:
             at, message = (*path, "unit"), f"unknown unit '{outside.unit}'"
             signals.problems.add("robot.signal", at, message, expected="a unit such as 'm/s'")
-            continue
+            dimension = DIMENSIONLESS
         _declare(signals, types, name, dimension, path, key=True)
 
 

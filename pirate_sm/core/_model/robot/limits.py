@@ -36,11 +36,18 @@ class Limit:
         bounds: What it bounds.
         senses: What these sensors sense, or the beginning of that.
         times: The number of their motor that the key is a multiple of; empty for none.
+
+    It annotates the whole type of its key, ``None`` included.
     """
 
     bounds: Bounded
     senses: str
     times: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse a multiple of a number that motors do not have."""
+        if self.times and self.times not in Motor.model_fields:
+            raise TypeError(f"motors have no number '{self.times}'")
 
 
 class Plausibility(Frozen):
@@ -99,7 +106,7 @@ class Plausibility(Frozen):
         for key, field in type(self).model_fields.items():
             for limit in field.metadata:
                 if isinstance(limit, Limit) and senses.startswith(limit.senses):
-                    of = getattr(motor, limit.times, None) if limit.times else 1.0
+                    of = 1.0 if not limit.times else motor and getattr(motor, limit.times)
                     share = getattr(self, key)
                     if share is not None and of is not None:
                         yield limit.bounds, share * of

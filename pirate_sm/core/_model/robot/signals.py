@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal, NamedTuple, TypeAlias
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Final, Literal, TypeAlias, get_args
 
 from pydantic import Field, StringConstraints, Tag, model_validator
 
@@ -148,9 +149,18 @@ class Conversion(Frozen):
 Operation: TypeAlias = Literal["rate", "torque", "roll", "pitch", "norm", "diameter"]
 """What a row of the table of signals does, see :mod:`pirate_sm.core._engine.sensing.evaluator`."""
 
+_OPERANDS: Final[Mapping[Operation, tuple[range, int, int]]] = {
+    "rate": (range(1, 2), 0, 0), "torque": (range(1, 2), 1, 1), "norm": (range(1, 4), 0, 0),
+    "roll": (range(3, 4), 0, 0), "pitch": (range(3, 4), 0, 0), "diameter": (range(1, 2), 0, 2),
+}  # fmt: skip
+"""How many signals, setpoints and constants each operation takes."""
 
-class SignalRow(NamedTuple):
+
+@dataclass(frozen=True, slots=True)
+class SignalRow:
     """One of the operations that a derived signal is made of.
+
+    It is refused with operands that the table would drop or fill with zeros.
 
     Attributes:
         operation: What it does.
@@ -164,6 +174,14 @@ class SignalRow(NamedTuple):
     slot: str = ""
     constants: tuple[float | str, ...] = ()
 
+    def __post_init__(self) -> None:
+        signals, setpoints, constants = _OPERANDS[self.operation]
+        given = bool(self.slot), len(self.constants)
+        if len(self.sources) not in signals or given != (setpoints, constants):
+            raise TypeError(
+                f"the operation '{self.operation}' does not take these operands: {self}"
+            )
+
 
 DerivedFrom: TypeAlias = Literal["signals", "axes", "wheels", "parts", "odometry"]
 """What the first key of a kind of derived signal names; axes are x, y and z of an accelerometer."""
@@ -173,13 +191,22 @@ class DerivedSignal(Frozen):
     """A kind of derived signal, with its keys.
 
     ``OF`` is what its first key names, ``DIMENSION`` that of the signal, by default that of the
-    first of them. ``OPERATION`` makes the signal of them in a frame of their board; a kind that
-    needs more has `rows` of its own. One with neither is made of the frames of several boards.
+    first of them. ``OPERATION`` makes the signal of them in a frame of their board, if they are
+    signals or axes; a kind that needs more has `rows` of its own. One with neither is made of the
+    frames of several boards.
     """
 
     OF: ClassVar[DerivedFrom] = "signals"
     DIMENSION: ClassVar[Dimension | None] = None
     OPERATION: ClassVar[Operation | None] = None
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: object) -> None:
+        """Refuse an operation on anything but signals, which no frame would ever give."""
+        if cls.OPERATION and (cls.OF not in ("signals", "axes") or cls.OPERATION not in _OPERANDS):
+            raise TypeError(
+                f"{cls.__name__} needs rows(): no '{cls.OPERATION}' is made of {cls.OF}"
+            )
 
     @classmethod
     def key(cls) -> str:
@@ -443,14 +470,7 @@ class LeastOf(TractionSignal):
     least_of: Annotated[tuple[Name, ...], Field(min_length=1)]
 
 
-DERIVED_KINDS = (
-    "rate_of", "torque_of", "roll_of", "pitch_of", "norm_of", "diameter_of", "odometry_of",
-    "bound_of", "speed_of", "robot_speed_of", "slip_speed_of", "slip_of", "normal_force_of",
-    "friction_used_of", "friction_of", "least_of",
-)  # fmt: skip
-
-
-Derived: TypeAlias = Annotated[
+_Kinds: TypeAlias = (
     Annotated[RateOf, Tag("rate_of")]
     | Annotated[TorqueOf, Tag("torque_of")]
     | Annotated[RollOf, Tag("roll_of")]
@@ -466,10 +486,15 @@ Derived: TypeAlias = Annotated[
     | Annotated[NormalForceOf, Tag("normal_force_of")]
     | Annotated[FrictionUsedOf, Tag("friction_used_of")]
     | Annotated[FrictionOf, Tag("friction_of")]
-    | Annotated[LeastOf, Tag("least_of")],
+    | Annotated[LeastOf, Tag("least_of")]
+)
+_KEYS = [get_args(kind)[0].key() for kind in get_args(_Kinds)]
+
+Derived: TypeAlias = Annotated[
+    _Kinds,
     by_key(
-        DERIVED_KINDS,
+        _KEYS,
         custom_error_type="derived",
-        custom_error_message="expected a mapping with one of " + ", ".join(DERIVED_KINDS),
+        custom_error_message="expected a mapping with one of " + ", ".join(_KEYS),
     ),
 ]

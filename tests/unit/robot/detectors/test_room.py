@@ -72,7 +72,7 @@ def test_the_outer_corner_of_a_mitre_has_room_for_a_wheel(mitre: Room) -> None:
 def test_the_outer_walls_of_a_mitre_go_on_to_where_they_meet(
     behind: bool, along_m: float, aside_m: float, outside_m: float
 ) -> None:
-    """The place is told by one of two pipes: how far along it and to its outer side."""
+    """A place is given as how far it is along one of two pipes and to its outer side."""
     room = room_of(Mitre(radians(45)), Straight(1.0))
     c, s = (cos(pi / 4), sin(pi / 4)) if behind else (-1.0, 0.0)
     outward = (s, -c) if behind else (0.0, -1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import isnan, nan
 
 import pytest
@@ -18,6 +19,7 @@ from driving import (
 from pirate_sm.core._engine.resuming.hypotheses import hypotheses
 from pirate_sm.core._engine.resuming.reconciling import adoptable, reconcile, turning
 from pirate_sm.core._engine.robot.robot_state import DECLARED, DENIED, states_of
+from pirate_sm.core._engine.sensing.board_spec import DerivedSpec
 from pirate_sm.core._engine.unwatched import changed
 from pirate_sm.core._model.events import FaultReport
 
@@ -182,6 +184,20 @@ def test_a_robot_that_lies_exactly_as_before_has_not_turned(clamped, sign):
     found = tuple(changed(clamped.robot, tuple(before), frozenset(), tuple(after)))
 
     assert bool(found) == (sign < 0)
+
+
+def test_only_accelerations_show_how_a_robot_lies(clamped):
+    """The norm of three numbers of a board, such as angles and torques, has no direction."""
+    robot, numbers = clamped.robot, list(clamped.last.sensing.numbers)
+    board = next(board for board in robot.boards.values() if not board.vectors)
+    others = board.numbers[:3]
+    turned = replace(board, derived=(*board.derived, DerivedSpec("norm", -1, others)))
+    robot = replace(robot, boards={board.id: turned})
+    for place, other in enumerate(others):
+        numbers[other] = float(place)
+
+    assert turned.vectors
+    assert not tuple(changed(robot, tuple(numbers), frozenset(), tuple(-n for n in numbers)))
 
 
 def test_belief_in_an_earlier_look_ends_where_a_later_one_shows_something_else(clamped):

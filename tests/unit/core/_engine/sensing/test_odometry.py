@@ -153,7 +153,7 @@ def test_belief_in_a_bound_ends_with_the_reports_that_are_lost() -> None:
 
 
 def test_belief_in_a_bound_does_not_come_back_by_a_wheel_that_is_seen_to_brake() -> None:
-    """Nobody knows whether the wheels that are not heard have stopped, too."""
+    """Wheels that do not report may have stopped, too."""
     world = World()
     world.drive(5)
     world.silent = {0, 1, 2, 3, 4}

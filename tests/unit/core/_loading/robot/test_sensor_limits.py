@@ -37,6 +37,14 @@ def test_a_sprung_joint_turns_within_its_stops_and_no_faster_than_its_motor() ->
     assert limits.full_load == close(0.3)
 
 
+def test_a_sprung_joint_has_the_narrower_of_a_limit_and_its_motors_speed(loaded_newt) -> None:
+    slow = loaded_newt("profile.yaml", ("{overspeed: 2.5", "{overspeed: 0.5"))
+    wide, narrow = watch(load_robot(NEWT), "neck"), watch(slow, "neck")
+
+    assert wide.stiffness > 0
+    assert narrow.rate == close(0.5 * wide.rate)
+
+
 def test_what_rests_on_a_joint_is_named_with_it() -> None:
     robot = load_robot(SIX_WHEELED)
     names = robot.normal.vocabulary.numbers
