@@ -90,6 +90,10 @@ class ChainBody:
         roll_rate_rad_s: No-load speed of the roll joint.
         roll_stall_nm: Stall torque of its motor.
         felt_over_s: Time constant of the accelerometer's smoothing: the time between its reports.
+        tyre_half_width_m: Half the width of every wheel.
+        rolling_resistance: Of every wheel, over the normal force.
+        sliding_slip: Share of the way rolled at which a wheel slides.
+        spin_radius_m: Torque of friction against spinning on the spot, over the force of friction.
     """
 
     wheels: tuple[WheelBody, ...]
@@ -103,6 +107,10 @@ class ChainBody:
     roll_rate_rad_s: float = 1.0
     roll_stall_nm: float = 1.0
     felt_over_s: float = 0.0
+    tyre_half_width_m: float = 0.006
+    rolling_resistance: float = 0.0
+    sliding_slip: float = 0.1
+    spin_radius_m: float = 0.0014
 
     def felt_share(self, cycle_s: float) -> float:
         """Return the share of a cycle in what the accelerometer shows after it."""
@@ -183,6 +191,10 @@ def chain_of(profile: Profile) -> ChainBody:
         roll_rate or 1.0,
         roll_stall or 1.0,
         profile.link.cycle * profile.messages_per_round,
+        body.wheel_width / 2,
+        profile.simulation.tyre.rolling_resistance,
+        profile.simulation.tyre.sliding_slip,
+        profile.simulation.tyre.spin_radius,
     )
 
 
