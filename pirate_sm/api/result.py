@@ -11,12 +11,13 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import cached_property, partial
 from html import escape
+from itertools import takewhile
 from math import inf
 from os import PathLike
 from pathlib import Path
 from typing import Any, Generic, TypeAlias, TypeVar
 
-from pirate_sm.api.arguments import path_of
+from pirate_sm.api.arguments import is_number, path_of
 from pirate_sm.core.effects import Effect, Ended
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.errors import UsageError
@@ -26,6 +27,7 @@ from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.resuming import AS_DECLARED, Beginning
 from pirate_sm.core.sensing import Glide
 from pirate_sm.core.spelling import meant
+from pirate_sm.running.recording.clamp_forces import clamp_forces
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.pieces import Gap, RecordedStep
 from pirate_sm.running.recording.read.reader import read_recording
@@ -47,6 +49,7 @@ Columns: TypeAlias = dict[str, list[Any]]
 ``pandas.DataFrame(columns)`` and ``polars.DataFrame(columns)`` take it as it is.
 """
 
+_FORCE_COLUMNS = ("wheel", "force_N", "least_N", "greatest_N")
 _FRAME = '<iframe style="width:100%;height:48em;border:0" srcdoc="{}"></iframe>'
 
 
@@ -160,6 +163,33 @@ class Run:
     def tables(self) -> tuple[str, ...]:
         """Names of the tables that have rows."""
         return tuple(name for name, columns in self._tables.items() if columns[TIME])
+
+    def normal_forces(self, at_s: float) -> Columns:
+        """Return how hard each wheel that holds presses at a time, and all of them together.
+
+        Clamped wheels are statically indeterminate: ``force_N`` is what the statics of the chain
+        give with a guess at what braked wheels bear; between ``least_N`` and ``greatest_N`` lie
+        all static states that the signals, friction and brakes admit. The last row is their sum.
+
+        Args:
+            at_s: Mission time.
+
+        Returns:
+            Columns ``wheel``, ``force_N``, ``least_N``, ``greatest_N``; empty where nothing holds
+            or too little is known.
+
+        Raises:
+            UsageError: That cannot be a time, or SciPy, of the extra ``fit``, is not installed.
+        """
+        if not is_number(at_s):
+            raise UsageError(f"at_s: expected a time in s, got {at_s!r}")
+        state = None
+        again = rerun_steps(self._engine, self.steps(), self.gaps, origin_s=self.origin_s)
+        for each in takewhile(lambda each: each.at_s <= at_s, again):
+            state = each.state
+        forces = () if state is None else clamp_forces(self.loaded, state)
+        columns = zip(*forces, strict=True) if forces else ((),) * len(_FORCE_COLUMNS)
+        return dict(zip(_FORCE_COLUMNS, map(list, columns), strict=True))
 
     def report(self) -> Page:
         """Return the report: what happened in words, the robot in its pipe, timeline and plots."""

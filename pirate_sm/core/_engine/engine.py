@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from pirate_sm.core._engine import inputs, safety
 from pirate_sm.core._engine.consequences import settle
+from pirate_sm.core._engine.held_forces import held_force_intervals
 from pirate_sm.core._engine.mission.program import Program, signals_read, slip_watched
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
@@ -26,6 +27,7 @@ from pirate_sm.core._engine.sensing.odometry import counting
 from pirate_sm.core._engine.sensing.signal_table import observe
 from pirate_sm.core._engine.sensing.traction import with_traction
 from pirate_sm.core._engine.state import OUTSIDE, EngineState, MissionState
+from pirate_sm.core._geometry.force_intervals import ForceInterval
 from pirate_sm.core._model import events
 from pirate_sm.core._model.effects import Effect, PhaseChange, Setpoints, StateChange
 
@@ -194,6 +196,15 @@ class Engine:
             return sensing.shown
         at, around, at_s = body.configuration, state.surveyed.reported, max(sensing.heard_s)
         return with_traction(self.robot, spec, sensing, body.values, at, around, at_s).shown
+
+    def normal_forces(
+        self, state: EngineState, friction: float, brakes_nm: Sequence[float], *, is_round: bool
+    ) -> tuple[tuple[int, ...], tuple[ForceInterval, ...]]:
+        """Return the wheels that hold and the intervals of their normal forces.
+
+        See :func:`~pirate_sm.core._engine.held_forces.held_force_intervals`.
+        """
+        return held_force_intervals(self.robot, state, friction, brakes_nm, is_round=is_round)
 
     def evidence(self, state: EngineState) -> dict[str, Evidence]:
         """Return what has shown each region's state, each part's clamp and each signal, by name.

@@ -18,6 +18,8 @@ from pirate_sm.running.recording.read.repair import repair
 
 from .conftest import PATROL
 
+BOUNDS = ("least", "force", "greatest")
+
 
 @pytest.fixture(scope="module")
 def recorded(
@@ -226,3 +228,28 @@ def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
 
     with pytest.raises(pirate_sm.RecordingError, match="not a recording"):
         pirate_sm.read(tmp_path / "notes.mcap")
+
+
+def test_a_run_says_how_hard_the_robot_presses_and_between_which_bounds(tmp_path: Path) -> None:
+    file = tmp_path / "run.mcap"
+    with pirate_sm.session("mitre_bend", record=file) as session:
+        for command in ("ClampFront", "ClampRear"):
+            session.submit(command)
+            session.advance()
+        clamped_s = session.now_s
+        session.submit("DriveForward")
+        session.advance(clamped_s + 2.0)
+        driven_s = session.now_s
+    found = pirate_sm.read(file).normal_forces(clamped_s)
+
+    assert found == session.run.normal_forces(clamped_s)
+    assert found["wheel"] == [*(f"wheel_{number}" for number in range(1, 7)), "sum"]
+    assert sum(found["force_N"][:6]) == pytest.approx(found["force_N"][6])
+    for least, force, greatest in zip(*(found[f"{name}_N"] for name in BOUNDS), strict=True):
+        assert 0 < least < force < greatest
+    driving = session.run.normal_forces(driven_s)
+    assert driving["greatest_N"][6] / driving["least_N"][6] < 1.5  # currents show what wheels bear
+    assert found["greatest_N"][6] / found["least_N"][6] > 5
+    assert session.run.normal_forces(0.0)["wheel"] == []
+    with pytest.raises(pirate_sm.UsageError, match="at_s"):
+        session.run.normal_forces("now")  # type: ignore[arg-type]

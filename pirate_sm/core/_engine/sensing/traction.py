@@ -31,7 +31,7 @@ from pirate_sm.core._engine.sensing.known_signals import (
     slip_between,
 )
 from pirate_sm.core._geometry.chain import ChainLoads, couples_nm, normal_forces_n
-from pirate_sm.core._geometry.space import GRAVITY_M_S2
+from pirate_sm.core._geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.core._model.effects import Environment
 
 FORGETTING = 0.97
@@ -163,7 +163,7 @@ def _wheel(
 ) -> Slipping:
     """Fill in the signals of one wheel; return what is remembered of its slipping."""
     slip_m_s = slip.slip_m_s
-    force_n = _torque_nm(wheel, numbers, setpoint) / wheel.metres_per_rad
+    force_n = torque_nm(wheel, numbers, setpoint) / wheel.metres_per_rad
     _put_slip(wheel, slip, numbers)
     _put(numbers, wheel.normal_force, normal_n)
     _put(numbers, wheel.friction_used, abs(force_n) / normal_n if normal_n > 0 else nan)
@@ -192,7 +192,7 @@ def _put(numbers: list[float], target: int, value: float) -> None:
         numbers[target] = value
 
 
-def _torque_nm(wheel: WheelTraction, numbers: Sequence[float], duty: float) -> float:
+def torque_nm(wheel: WheelTraction, numbers: Sequence[float], duty: float) -> float:
     """Return the torque of a motor with the sign that a current does not show.
 
     It is that of ``duty - speed / no-load speed``: a wheel that is dragged turns faster than its
@@ -219,16 +219,24 @@ def _normal_forces(
     body = robot.body
     turn_rad = body.heading_in_pipe(numbers, held, 0)
     headings = body.headings(body.angles(numbers), 0, turn_rad)
-    torques = [_torque_nm(wheel, numbers, setpoints[wheel.slot]) for wheel in spec.wheels]
+    torques = [torque_nm(wheel, numbers, setpoints[wheel.slot]) for wheel in spec.wheels]
     joints = [numbers[joint] if joint >= 0 else 0.0 for joint in spec.joint_torques]
     drives = [t / wheel.metres_per_rad for t, wheel in zip(torques, spec.wheels, strict=True)]
     braked = [setpoints[wheel.slot] == 0 for wheel in spec.wheels]
-    roll_rad = 0.0 if isnan(around.roll_rad) else around.roll_rad
-    # Gravity pulls back where the pipe climbs, and to side B where the robot rolls that way (B-13).
-    gravity = (
-        -GRAVITY_M_S2 * sin(around.pitch_rad),
-        -GRAVITY_M_S2 * cos(around.pitch_rad) * sin(roll_rad),
-    )
     couples = couples_nm(joints, torques, spec.mounts)
-    loads = ChainLoads(headings, couples, drives, braked, gravity)
+    loads = ChainLoads(headings, couples, drives, braked, gravity_m_s2(around)[:2])
     return tuple(normal_forces_n(body.lengths_m, spec.masses_kg, body.sides, loads))
+
+
+def gravity_m_s2(around: Environment) -> Vector:
+    """Return gravity along the pipe, towards side A and along the normal of the held part.
+
+    It pulls back where the pipe climbs, and to side B where the robot rolls that way (B-13).
+    """
+    roll_rad = 0.0 if isnan(around.roll_rad) else around.roll_rad
+    down_m_s2 = GRAVITY_M_S2 * cos(around.pitch_rad)
+    return (
+        -GRAVITY_M_S2 * sin(around.pitch_rad),
+        -down_m_s2 * sin(roll_rad),
+        down_m_s2 * cos(roll_rad),
+    )

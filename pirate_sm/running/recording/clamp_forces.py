@@ -1,0 +1,68 @@
+"""How hard a clamped robot presses at a moment of a run: by statics, and between which bounds.
+
+The bounds are those of all static states that its signals, the friction of its pipe and the brakes
+of its wheels admit (``docs/decisions/0123-normal-forces-come-with-an-interval.md``).
+"""
+
+from __future__ import annotations
+
+from math import isnan, nan
+from typing import NamedTuple
+
+from pirate_sm.core.engine import Engine, EngineState
+from pirate_sm.core.loading import LoadedMission
+
+SUM = "sum"
+"""The row of all wheels that hold."""
+
+
+class ClampForce(NamedTuple):
+    """The normal force of a wheel that holds, or the sum of them, N; NaN is unknown.
+
+    Attributes:
+        wheel: Name of the wheel, or ``sum``.
+        force_n: By the statics of the chain, which leave it to braked wheels in equal shares what
+            those bear along the pipe.
+        least_n: The least that any static state admits.
+        greatest_n: The greatest; infinite where nothing bounds it.
+    """
+
+    wheel: str
+    force_n: float
+    least_n: float
+    greatest_n: float
+
+
+def clamp_forces(loaded: LoadedMission, state: EngineState) -> tuple[ClampForce, ...]:
+    """Return the force of each wheel that holds and of all, last; empty where no part holds.
+
+    Args:
+        loaded: The mission with its robot and its pipe.
+        state: Of an engine that has every signal.
+
+    Raises:
+        UsageError: SciPy is not installed.
+    """
+    robot, pipe, profile = loaded.robot, loaded.pipe, loaded.loaded_robot.profile
+    walls = pipe.friction if pipe is not None and pipe.friction else profile.simulation.friction
+    motors = [profile.motors[profile.slots[wheel.slot].motor] for wheel in robot.wheels]
+    wheels, intervals = Engine(robot, loaded.program, nominal=False).normal_forces(
+        state,
+        walls.static,
+        [motor.hold_torque or 0.0 for motor in motors],
+        is_round=pipe is not None and pipe.section == "round",
+    )
+    if robot.traction is None or not wheels:
+        return ()
+    signals = [robot.traction.wheels[wheel].normal_force for wheel in wheels]
+    forces_n = [state.sensing.shown[each] if each >= 0 else nan for each in signals]
+    names = [profile.body.wheels[wheel].name for wheel in wheels]
+    found = zip((*names, SUM), (*forces_n, sum(forces_n)), intervals, strict=True)
+    return tuple(ClampForce(name, force_n, *between) for name, force_n, between in found)
+
+
+def in_words(force: ClampForce) -> str:
+    """Return a force with its interval as text: ``sum 143 N (34 to 486)``."""
+    if isnan(force.least_n):
+        return f"{force.wheel} {force.force_n:.0f} N (no static state fits its motors' currents)"
+    return f"{force.wheel} {force.force_n:.0f} N ({force.least_n:.0f} to {force.greatest_n:.0f})"
