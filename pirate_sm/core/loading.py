@@ -36,10 +36,9 @@ from pirate_sm.core._loading.references import project_of
 from pirate_sm.core._loading.robot.loader import (
     LoadedRobot,
     load_robot,
-    load_twin,
     read_robot,
-    simulated_profile,
     with_fitted,
 )
+from pirate_sm.core._loading.robot.twin import load_twin, simulated_profile, twin_named
 from pirate_sm.core._loading.yaml.error_wording import word
 from pirate_sm.core._loading.yaml.validation import try_validate, validate

@@ -57,6 +57,7 @@ from pirate_sm.core._model.robot.simulation import (
     SIMULATORS,
     Friction,
     LineFaults,
+    RobotSample,
     RulerSettings,
     Twin,
 )

@@ -203,7 +203,8 @@ def _fit_robot(measured: Sequence[MeasuredFile], options: FitOptions) -> int:
     Raises:
         UsageError: The recordings are of several robots, or a file cannot be written.
     """
-    from pirate_sm.lab.fitting.robot_numbers import robot_numbers, twin_text
+    from pirate_sm.lab.fitting.robot_numbers import robot_numbers
+    from pirate_sm.lab.fitting.twin_file import twin_text
 
     profile = _one_robot([each.profile for each in measured])
     numbers = robot_numbers(measured)

@@ -34,7 +34,7 @@ from pirate_sm.core.documents import Path as Keys
 from pirate_sm.core.errors import PirateError, UsageError
 from pirate_sm.core.fields import LONGEST_NAME
 from pirate_sm.core.library import shown
-from pirate_sm.core.loading import LoadedMission, references, try_validate
+from pirate_sm.core.loading import LoadedMission, references, try_validate, twin_named
 from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.options import OPTIONS
 from pirate_sm.lab.campaign.campaign_model import Campaign, Expectation, StoppingRule, TrueEnd
@@ -358,9 +358,11 @@ def _digest(order: Order, loaded: LoadedMission, end: TrueEnd) -> str:
 
     Files count by their content, not by their names, which may differ elsewhere.
     """
-    rest = replace(order, mission="", pipe=None, robot=None, twin=None, seed=0)
+    twin, _ = twin_named(order.twin or "", 0)
+    which = (order.twin or "")[len(twin) :] or None
+    rest = replace(order, mission="", pipe=None, robot=None, twin=which, seed=0)
     kind, _, camera = (order.detector or "").partition(":")
-    named = [order.twin or "", camera if kind == "vision" else ""]
+    named = [twin, camera if kind == "vision" else ""]
     parts = [
         code_version(),
         json.dumps(to_jsonable_python(rest), sort_keys=True),

@@ -17,10 +17,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.core.documents import LoadError
+from pirate_sm.core.documents import LoadError, read_document
 from pirate_sm.core.errors import BackendError, UsageError
-from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.models import Profile
+from pirate_sm.core.loading import LoadedMission, twin_named, validate
+from pirate_sm.core.models import Profile, Twin
 from pirate_sm.core.options import JITTER
 from pirate_sm.core.units import DIMENSIONLESS, LENGTH, parse_quantity, unit_of
 from pirate_sm.lab.campaign.campaign_model import TrueEnd
@@ -37,11 +37,20 @@ FROM_FILES = tuple(f"{each.key}_m" if each.unit == LENGTH else each.key for each
 """The factors that are how far a run differs from its files."""
 
 
+_UNITS = {
+    "no_load_speed": "rad/s",
+    **dict.fromkeys(("stall_torque", "hold_torque", "dead_drag"), "Nm"),
+    **{"stiffness": "Nm/rad", "static": "", "kinetic": ""},
+}
+"""The SI units of the numbers of a twin."""
+
+
 class Factor(NamedTuple):
-    """A number that each run of a cell draws uniformly.
+    """A number that each run of a cell draws, uniformly unless from the sample of a twin.
 
     Attributes:
-        name: One of ``FROM_FILES``, or the number of a defect: its name, ``_`` and the key.
+        name: One of ``FROM_FILES``, the number of a defect: its name, ``_`` and the key, or of a
+            twin: its motor, ``_`` and the key.
         unit: The SI unit; empty for a share.
         low: Its least value; likewise ``high``.
     """
@@ -64,7 +73,23 @@ def factors_of(order: Order) -> tuple[Factor, ...]:
         if dots and low != high:
             least, most = parse_quantity(low), parse_quantity(high).value
             found.append(Factor(name, unit_of(least.dimension), least.value, most))
+    found += (
+        Factor(name.replace(" ", "_"), _UNITS[name.partition(" ")[2]], min(column), max(column))
+        for name, column in _sampled(order).items()
+        if min(column) < max(column)
+    )
     return tuple(found)
+
+
+def _sampled(order: Order) -> Mapping[str, tuple[float, ...]]:
+    """Return the columns of the sample from which each run draws its robot; of no sample none."""
+    if not (order.twin or "").endswith("#seed"):
+        return {}
+    file, _ = twin_named(order.twin or "", order.seed)
+    sample = validate(read_document(Path(file)), Twin).sample
+    if sample is None:
+        return {}
+    return dict(zip(sample.numbers, zip(*sample.robots, strict=True), strict=True))
 
 
 def drawn_factors(order: Order, profile: Profile) -> Mapping[str, float]:
@@ -77,6 +102,10 @@ def drawn_factors(order: Order, profile: Profile) -> Mapping[str, float]:
     numbers = dict(_numbers(drawn(order.defects, profile, order.seed)))
     values = {name: parse_quantity(text).value for name, text in numbers.items()}
     values |= zip(FROM_FILES, (differs.start_m, differs.friction, differs.diameter_m), strict=True)
+    values |= {
+        name.replace(" ", "_"): column[order.seed % len(column)]
+        for name, column in _sampled(order).items()
+    }
     return {each.name: values[each.name] for each in factors_of(order)}
 
 

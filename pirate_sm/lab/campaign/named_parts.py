@@ -24,9 +24,10 @@ from pirate_sm.core.loading import (
     LoadedMission,
     load_mission,
     load_pipe,
-    load_twin,
     read_value,
     references,
+    simulated_profile,
+    twin_named,
 )
 from pirate_sm.core.models import Profile
 from pirate_sm.core.on_disk import is_there
@@ -175,7 +176,7 @@ class Named(NamedTuple):
         mission: The mission, as :class:`~pirate_sm.running.wiring.Order` names it; so are the
             others.
         robot: The robot, instead of the mission's.
-        twin: The file with numbers of the simulated robot.
+        twin: The file with numbers of the simulated robot, and which robot of its sample.
         pipes: The pipes as they are written and as orders name them.
         detectors: The detectors, likewise.
         defects: The sets of defects.
@@ -291,18 +292,19 @@ class NameReader:
             return None
 
     def _twin(self, name: str, at: Keys) -> str | None:
+        file, _ = twin_named(name, 0)
         try:
-            found = self._beside(name)
+            found = self._beside(file)
             if not is_there(Path(found)):
-                raise UsageError(f"there is no file '{name}' with numbers of a simulated robot")
+                raise UsageError(f"there is no file '{file}' with numbers of a simulated robot")
         except UsageError as error:
             self._refer(error, "campaign.run", at)
             return None
-        return found
+        return found + name[len(file) :]
 
-    def _check_twin(self, file: str, profile: Profile) -> None:
+    def _check_twin(self, name: str, profile: Profile) -> None:
         try:
-            load_twin(Path(file), profile)
+            simulated_profile(profile, name)
         except LoadError as error:
             self.problems.take(error)
 

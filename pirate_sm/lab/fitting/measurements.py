@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from io import TextIOWrapper
 from math import isnan, nan
 from operator import itemgetter
@@ -223,7 +223,7 @@ def slip_and_friction(
 # --- estimates -----------------------------------------------------------------------------------
 
 
-_STRETCHES, _DRAWS = 20, 200
+_STRETCHES, DRAWS = 20, 200
 """Numbers of stretches of a run and of draws for intervals: neighbours are alike."""
 
 
@@ -236,17 +236,25 @@ class Estimate:
         low: Lower end; where only a bound is known, that.
         high: Upper end.
         reason: Why it is unknown; empty where it is known.
+        draws: What stretches of the run say that are drawn at random. The same draw takes the
+            same stretches for every number with as many of them.
     """
 
     value: float = nan
     low: float = nan
     high: float = nan
     reason: str = ""
+    draws: Floats = field(default_factory=lambda: np.empty(0), compare=False, repr=False)
 
     @property
     def known(self) -> bool:
         """Whether there is a value."""
         return not isnan(self.value)
+
+    @property
+    def likely(self) -> Floats:
+        """Values as likely as each other; without draws all are the value."""
+        return self.draws if len(self.draws) else np.full(DRAWS, self.value)
 
 
 def estimate_of(rows: Floats, statistic: Callable[[Floats], float], shortest: int = 1) -> Estimate:
@@ -259,9 +267,11 @@ def estimate_of(rows: Floats, statistic: Callable[[Floats], float], shortest: in
     """
     random = np.random.default_rng(0)
     stretches = np.array_split(rows, min(_STRETCHES, len(rows) // shortest))
-    drawn = [
-        statistic(np.concatenate([stretches[i] for i in picked]))
-        for picked in random.integers(len(stretches), size=(_DRAWS, len(stretches)))
-    ]
+    drawn: Floats = np.array(
+        [
+            statistic(np.concatenate([stretches[i] for i in picked]))
+            for picked in random.integers(len(stretches), size=(DRAWS, len(stretches)))
+        ]
+    )
     low, high = np.nanquantile(drawn, [0.025, 0.975])
-    return Estimate(statistic(rows), float(low), float(high))
+    return Estimate(statistic(rows), float(low), float(high), draws=drawn)

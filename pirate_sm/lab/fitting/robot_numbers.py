@@ -6,7 +6,7 @@ behind a spring that is the motor's side, γ + τ / K. Two readings give an equa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -19,6 +19,7 @@ from pirate_sm.core.models import Motor, Profile, Slot
 from pirate_sm.core.models import signals as kinds
 from pirate_sm.core.sensing import with_traction
 from pirate_sm.lab.fitting.measurements import (
+    DRAWS,
     Columns,
     Estimate,
     MeasuredFile,
@@ -318,10 +319,15 @@ def wheel_numbers(name: str, rows: Floats, all_: Intervals) -> Iterator[RobotNum
 
 
 def _spanned(found: Estimate, other: Estimate) -> Estimate:
-    """Return an estimate whose interval is also that of another one, if both are known."""
+    """Return an estimate whose interval is also that of another one, if both are known.
+
+    Its draws lie anywhere between theirs.
+    """
     if not (found.known and other.known):
         return found
-    return replace(found, low=min(found.low, other.low), high=max(found.high, other.high))
+    between = np.random.default_rng(1).random(DRAWS) * (other.draws - found.draws)
+    low, high = min(found.low, other.low), max(found.high, other.high)
+    return replace(found, low=low, high=high, draws=found.draws + between)
 
 
 def driven(all_: Intervals) -> Floats:
@@ -410,7 +416,9 @@ def _kinetic(rows: Sequence[Floats]) -> Estimate:
     if not rows:
         return Estimate(reason="the profile derives no friction of these wheels")
     found = _estimate(np.concatenate(rows), _weighted_median, "no wheel slipped steadily")
-    return replace(found, low=found.low * (1 - _STATICS), high=found.high * (1 + _STATICS))
+    low, high = found.low * (1 - _STATICS), found.high * (1 + _STATICS)
+    off = np.random.default_rng(2).uniform(1 - _STATICS, 1 + _STATICS, len(found.draws))
+    return replace(found, low=low, high=high, draws=found.draws * off)
 
 
 def _weighted_median(rows: Floats) -> float:
@@ -418,47 +426,3 @@ def _weighted_median(rows: Floats) -> float:
     order = np.argsort(rows[:, 0])
     weight = np.cumsum(rows[order, 1])
     return float(rows[order[np.searchsorted(weight, weight[-1] / 2)], 0])
-
-
-# --- as a file -----------------------------------------------------------------------------------
-
-
-def twin_text(profile: Profile, numbers: Iterable[RobotNumber], source: str) -> str:
-    """Return the file: what is known, and as comments what is not.
-
-    Args:
-        profile: Of the robot.
-        numbers: What was estimated.
-        source: What it was estimated from, for people.
-    """
-    lines = [
-        f"# Numbers of one robot, estimated from {source} by `pirate fit --robot`.",
-        "# The simulator takes them instead of the profile's: pirate-run MISSION --twin FILE",
-        "format: 1",
-        f"robot: {profile.robot}",
-    ]
-    numbers = list(numbers)
-    known = [each for each in numbers if each.motor and each.estimate.known]
-    if known:
-        lines.append("motors:")
-    for motor in dict.fromkeys(each.motor for each in known):
-        lines.append(f"  {motor}:")
-        for each in known:
-            if each.motor == motor:
-                low, high = each.estimate.low, each.estimate.high
-                value = f"    {each.key}: {each.estimate.value:.4g} {each.unit}"
-                lines.append(f"{value}    # 95 %: {low:.4g} to {high:.4g}")
-    for each in numbers:
-        if not each.estimate.known:
-            what = f"{each.motor} {each.key}".strip()
-            lines.append(f"# unknown: {what}: {each.estimate.reason}")
-        elif not each.motor:
-            lines.append(f"# {each.key}: {each.estimate.value:.3f}")
-    kinetic = [each.estimate.value for each in numbers if not each.motor and each.estimate.known]
-    if kinetic:
-        assumed = profile.simulation.friction
-        mean = sum(kinetic) / len(kinetic)
-        static = mean * assumed.static / assumed.kinetic
-        lines.append("# The simulator has one friction: the mean, static in the profile's ratio.")
-        lines.append(f"friction: {{static: {static:.3f}, kinetic: {mean:.3f}}}")
-    return "\n".join([*lines, ""])

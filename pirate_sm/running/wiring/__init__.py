@@ -8,7 +8,7 @@ from pirate_sm.core import library
 from pirate_sm.core.documents import Document, read_document
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.errors import Hint, UsageError
-from pirate_sm.core.loading import LoadedMission, holding_in, load_mission
+from pirate_sm.core.loading import LoadedMission, holding_in, load_mission, twin_named
 from pirate_sm.core.options import OPTIONS, OTHERS
 from pirate_sm.core.program import Wait
 from pirate_sm.core.registry import Registry
@@ -122,7 +122,10 @@ def prepare(
 
 
 def _drawn(order: Order, loaded: LoadedMission) -> Order:
-    """Return the order with the drawn numbers of its defects, which make the same defects."""
+    """Return the order with what its seed draws written out: a twin, numbers of defects."""
+    if order.twin is not None:
+        file, number = twin_named(order.twin, order.seed)
+        order = order if number is None else replace(order, twin=f"{file}#{number}")
     if not any(".." in text for text in order.defects):
         return order
     from pirate_sm.simulation.defects import drawn

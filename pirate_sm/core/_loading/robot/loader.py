@@ -1,4 +1,4 @@
-"""Load a robot's folder: read, check and resolve its profile and chart, and its twin's numbers."""
+"""Load a folder of a robot: read, check and resolve its profile and chart, and what a fit says."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pirate_sm.core._loading import references
 from pirate_sm.core._loading.chart_exploration import cached_table
 from pirate_sm.core._loading.chart_outline import ChartOutline, outline_chart
 from pirate_sm.core._loading.problems import LoadError, Problems
-from pirate_sm.core._loading.references import FileKind, read_extended, refuse_other
+from pirate_sm.core._loading.references import read_extended
 from pirate_sm.core._loading.robot.actuation import (
     check_levelled,
     resolve_actuation,
@@ -33,12 +33,11 @@ from pirate_sm.core._loading.robot.controls import resolve_controls, resolve_pos
 from pirate_sm.core._loading.robot.criteria import resolve_sight
 from pirate_sm.core._loading.robot.sensing import resolve_boards, resolve_traction, thresholds
 from pirate_sm.core._loading.robot.signals import resolve_signals, resolve_words, words_behind
-from pirate_sm.core._loading.yaml.document import Document, read_document
+from pirate_sm.core._loading.robot.twin import twin_in, with_twin
+from pirate_sm.core._loading.yaml.document import Document
 from pirate_sm.core._loading.yaml.validation import try_validate
 from pirate_sm.core._model.robot import signals as kinds
-from pirate_sm.core._model.robot.body import Motor
 from pirate_sm.core._model.robot.profile import Profile
-from pirate_sm.core._model.robot.simulation import MotorNumbers, Twin
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.library import PROFILE_FILE
 
@@ -152,7 +151,7 @@ def with_fitted(robot: LoadedRobot, document: Document | None) -> LoadedRobot:
     """
     if document is None:
         return robot
-    twin = _twin_in(document, robot.profile)
+    twin = twin_in(document, robot.profile)
     believed = with_twin(robot.profile, twin.model_copy(update={"friction": None}))
 
     def resolved(polarity: Polarity) -> RobotSpec:
@@ -301,100 +300,3 @@ def _resolve(
         overlays=resolve_controls(table, signals, slots, actuation),
         owners=owners,
     )
-
-
-_OF_ONE_KIND = {"hold_torque": "geared", "dead_drag": "geared", "stiffness": "sprung_worm"}
-"""Numbers that only one kind of motor has."""
-
-
-def simulated_profile(profile: Profile, file: str | None) -> Profile:
-    """Return the profile for a simulated robot, with the numbers in a file where one is named.
-
-    Raises:
-        LoadError: Everything that is wrong with the file.
-    """
-    return profile if file is None else with_twin(profile, load_twin(Path(file), profile))
-
-
-def load_twin(path: Path, profile: Profile) -> Twin:
-    """Return the twin in a file, which must be of this robot.
-
-    Raises:
-        LoadError: Everything that is wrong with the file.
-    """
-    return _twin_in(read_document(path), profile)
-
-
-def _twin_in(document: Document, profile: Profile) -> Twin:
-    """Return the twin in a document, which must be of this robot.
-
-    Raises:
-        LoadError: Everything that is wrong with it.
-    """
-    problems = Problems(document)
-    twin = try_validate(document, Twin, problems)
-    if twin is None:
-        refuse_other(document, FileKind.TWIN)
-    else:
-        check_twin(twin, profile, problems)
-    problems.raise_errors()
-    assert twin is not None
-    return twin
-
-
-def check_twin(twin: Twin, profile: Profile, problems: Problems) -> None:
-    """Report a twin of another robot, or of motors that this one does not have."""
-    if twin.robot != profile.robot:
-        message = f"these are numbers of '{twin.robot}', and the robot is {profile.robot}"
-        problems.add("twin.robot", ("robot",), message)
-        return
-    driven = {s.joint: profile.motors[s.motor] for s in profile.slots if s.joint is not None}
-    for group, what, known, given in (
-        ("motors", "kind of motor", profile.motors, twin.motors),
-        ("joints", "driven joint", driven, twin.joints),
-    ):
-        for name, numbers in given.items():
-            motor, at = known.get(name), (group, name)
-            if motor is None:
-                problems.add_unknown("twin.motor", at, what, name, sorted(known), key=True)
-                continue
-            for key, kind in _OF_ONE_KIND.items():
-                if motor.kind != kind and getattr(numbers, key) is not None:
-                    message = f"only a {kind} motor has a `{key}`, and '{name}' is {motor.kind}"
-                    problems.add("twin.motor", (*at, key), message)
-
-
-def with_twin(profile: Profile, twin: Twin) -> Profile:
-    """Return the profile with the twin's numbers instead of its own.
-
-    A joint with numbers of its own gets a kind of motor of its own.
-    """
-    motors = {
-        name: _numbered(motor, twin.motors.get(name)) for name, motor in profile.motors.items()
-    }
-    own = {s.name: s for s in profile.slots if s.joint is not None and s.joint in twin.joints}
-    names = {name: f"{slot.motor}_of_{slot.joint}" for name, slot in own.items()}
-    for name, slot in own.items():
-        motors[names[name]] = _numbered(motors[slot.motor], twin.joints[slot.joint or ""])
-    boards = tuple(
-        board.model_copy(
-            update={
-                "slots": tuple(
-                    slot.model_copy(update={"motor": names.get(slot.name, slot.motor)})
-                    for slot in board.slots
-                )
-            }
-        )
-        for board in profile.boards
-    )
-    simulation = profile.simulation
-    if twin.friction is not None:
-        simulation = simulation.model_copy(update={"friction": twin.friction})
-    changed = {"motors": motors, "boards": boards, "simulation": simulation}
-    return profile.model_copy(update=changed)
-
-
-def _numbered(motor: Motor, numbers: MotorNumbers | None) -> Motor:
-    if numbers is None:
-        return motor
-    return motor.model_copy(update=numbers.model_dump(exclude_none=True))

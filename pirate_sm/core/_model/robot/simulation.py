@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from pirate_sm.core._model.base import Format, Frozen, Name
 from pirate_sm.core._model.quantities import (
@@ -145,6 +145,37 @@ class MotorNumbers(Frozen):
     dead_drag: Annotated[Torque, Field(ge=0)] | None = None
 
 
+class RobotSample(Frozen):
+    """Robots that are equally likely after a recording, instead of one.
+
+    Attributes:
+        numbers: What the columns are: a kind of motor and its number, ``wheel stall_torque``, or
+            ``friction static`` and ``friction kinetic``.
+        assumed: Those that the recording does not show: drawn around what the profile assumes.
+        robots: A row for each robot, in SI units.
+    """
+
+    numbers: Annotated[tuple[str, ...], Field(min_length=1)]
+    assumed: tuple[str, ...] = ()
+    robots: Annotated[tuple[tuple[float, ...], ...], Field(min_length=1, max_length=10_000)]
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        known = {*MotorNumbers.model_fields}
+        for name in self.numbers:
+            motor, _, key = name.partition(" ")
+            if key not in ({"static", "kinetic"} if motor == "friction" else known):
+                raise ValueError(f"'{name}' is no number of a robot, such as wheel stall_torque")
+        if unlisted := [name for name in self.assumed if name not in self.numbers]:
+            raise ValueError(f"'{unlisted[0]}' is assumed and is none of the numbers")
+        for number, row in enumerate(self.robots):
+            if len(row) != len(self.numbers):
+                raise ValueError(
+                    f"robot {number} has {len(row)} numbers instead of {len(self.numbers)}"
+                )
+        return self
+
+
 class Twin(Frozen):
     """What a simulated robot has instead of its profile's numbers.
 
@@ -154,6 +185,7 @@ class Twin(Frozen):
         motors: By kind of motor.
         joints: The same of the motor of one joint, instead of those of its kind.
         friction: Between wheel and wall, instead of the profile's.
+        sample: Robots that may all be this one; FILE#3 names one of them.
     """
 
     format: Format
@@ -161,6 +193,29 @@ class Twin(Frozen):
     motors: dict[Name, MotorNumbers] = {}
     joints: dict[Name, MotorNumbers] = {}
     friction: Friction | None = None
+    sample: RobotSample | None = None
+
+    @model_validator(mode="after")
+    def _each_robot_is_one(self) -> Self:
+        for number in range(len(self.sample.robots) if self.sample is not None else 0):
+            try:
+                self.drawn(number)
+            except ValidationError as error:
+                fault = error.errors()[0]
+                name = " ".join(str(key) for key in fault["loc"] if key != "motors")
+                raise ValueError(f"robot {number} of the sample: {name}: {fault['msg']}") from None
+        return self
+
+    def drawn(self, number: int) -> Self:
+        """Return a robot of the sample as a twin; after the last one comes the first again."""
+        assert self.sample is not None
+        given = self.model_dump(exclude_none=True, exclude={"sample"})
+        row = self.sample.robots[number % len(self.sample.robots)]
+        for name, value in zip(self.sample.numbers, row, strict=True):
+            owner, _, key = name.partition(" ")
+            group = given if owner == "friction" else given["motors"]
+            group.setdefault(owner, {})[key] = value
+        return type(self).model_validate(given)
 
 
 class LineFaults(Frozen):

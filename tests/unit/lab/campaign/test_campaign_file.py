@@ -62,6 +62,25 @@ def test_cells_are_all_combinations(tmp_path: Path) -> None:
     assert plan.cells[0].seeds == range(10)
 
 
+def test_a_twin_names_a_robot_of_its_sample_or_has_each_seed_draw_one(tmp_path: Path) -> None:
+    (tmp_path / "twin.yaml").write_text(
+        "format: 1\nrobot: pirate_ii\n"
+        "sample: {numbers: [bend no_load_speed], robots: [[0.8], [0.9]]}\n"
+    )
+    text = "campaign: trial\nmissions: [mitre_bend]\nseeds: 5\ntwin: twin.yaml"
+
+    plans = [planned(tmp_path, f"{text}{which}\n") for which in ("", "#1", "#seed")]
+
+    orders = [plan.cells[0].order for plan in plans]
+    assert [Path(order.twin or "").name for order in orders] == [
+        "twin.yaml", "twin.yaml#1", "twin.yaml#seed"
+    ]  # fmt: skip
+    assert len({plan.cells[0].key for plan in plans}) == 3
+    (tmp_path / "twin.yaml").write_text("format: 1\nrobot: pirate_ii\n")
+    (problem,) = problems_of(tmp_path, f"{text}#seed\n")
+    assert "it has one robot and no `sample`" in problem
+
+
 def test_belief_is_tried_with_timed_defects_in_campaigns(tmp_path: Path) -> None:
     drawn = "{defect: gamma_2_stiff, friction: 0.3 Nm, after: 2 s..20 s}"
     text = CAMPAIGN.replace("gamma_2_stiff", f"{drawn}, {{defect: wheel_1_dead}}")

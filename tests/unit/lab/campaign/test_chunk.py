@@ -15,7 +15,14 @@ import pytest
 
 from pirate_sm.lab.campaign import chunk as chunks
 from pirate_sm.lab.campaign.campaign_file import read_campaign
-from pirate_sm.lab.campaign.chunk import Chunk, OtherVersionError, Sent, loaded_mission, run_chunk
+from pirate_sm.lab.campaign.chunk import (
+    Chunk,
+    OtherVersionError,
+    Sent,
+    factors_of,
+    loaded_mission,
+    run_chunk,
+)
 from pirate_sm.lab.campaign.conductor import chunk_of, record_chunk
 from pirate_sm.lab.campaign.plan import code_version
 from pirate_sm.running.recording.read.reader import read_recording
@@ -77,6 +84,30 @@ def test_a_row_has_what_its_run_drew() -> None:
         assert each.drawn["gamma_2_stiff_friction"] == pytest.approx(friction)
         assert -0.2 < each.drawn["friction"] < 0.2
     assert len({each.drawn["friction"] for each in rows}) == 3
+
+
+def test_each_seed_takes_its_robot_from_the_sample_of_a_twin(tmp_path: Path) -> None:
+    chunk, sent = enter()
+    file = tmp_path / "twin.yaml"
+    rows_of_robots = "[[0.8, 0.3], [0.9, 0.3]]"
+    file.write_text(
+        "format: 1\nrobot: pirate_ii\nsample:\n"
+        f"  numbers: [bend no_load_speed, wheel hold_torque]\n  robots: {rows_of_robots}\n"
+    )
+    order = replace(chunk.order, twin=f"{file}#seed")
+
+    rows = run_chunk(replace(chunk, order=order, seeds=(2, 3)), sent, code_version())
+
+    assert [each.why for each in rows] == ["", ""]
+    assert [each.drawn for each in rows] == [
+        {"bend_no_load_speed": 0.8},
+        {"bend_no_load_speed": 0.9},
+    ]
+    assert [(each.name, each.unit, each.low, each.high) for each in factors_of(order)] == [
+        ("bend_no_load_speed", "rad/s", 0.8, 0.9)
+    ]
+    assert rows[0].time_s != rows[1].time_s
+    assert prepare(replace(order, seed=3), loaded_mission(sent)).order.twin == f"{file}#3"
 
 
 def _first_wheel_m(prepared: Prepared) -> float:

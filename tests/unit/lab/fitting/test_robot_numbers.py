@@ -11,9 +11,9 @@ from pirate_sm.lab.fitting.robot_numbers import (
     RobotNumber,
     driven,
     robot_numbers,
-    twin_text,
     wheel_numbers,
 )
+from pirate_sm.lab.fitting.twin_file import twin_text
 
 TRUE = {
     ("wheel", "no_load_speed"): 3.4,
@@ -232,3 +232,36 @@ def test_friction_is_found_by_the_motors_that_are_found(tmp_path: Path) -> None:
 
     assert found["kinetic friction, front"].value == pytest.approx(0.23, rel=0.05)
     assert as_assumed["kinetic friction, front"].value < 0.9 * 0.23
+
+
+def test_the_file_has_a_sample_of_robots_around_the_one(
+    measured: MeasuredFile, numbers: dict[tuple[str, str], RobotNumber], tmp_path: Path
+) -> None:
+    file = tmp_path / "found.yaml"
+    assert measured.profile is not None
+    file.write_text(twin_text(measured.profile, numbers.values(), "run.mcap"))
+
+    sample = load_twin(file, measured.profile).sample
+
+    assert sample is not None
+    assert len(sample.robots) == 64
+    assert set(sample.assumed) == {"friction static", "friction kinetic"}
+    columns = dict(zip(sample.numbers, np.array(sample.robots).T, strict=True))
+    for (motor, key), true in TRUE.items():
+        estimate = numbers[motor, key].estimate
+        column = columns[f"{motor} {key}"]
+        assert 0.5 * (estimate.high - estimate.low) < np.ptp(column), key
+        assert estimate.low * 0.97 < column.min() < true * 1.02, key
+        assert true * 0.98 < column.max() < estimate.high * 1.03, key
+    assert all(columns["friction static"] >= columns["friction kinetic"])
+
+
+def test_numbers_of_one_motor_are_drawn_together(
+    numbers: dict[tuple[str, str], RobotNumber],
+) -> None:
+    """A speed without load that is found too large goes with a stall torque that is too small."""
+    speed, stall = (
+        numbers["bend", key].estimate.draws for key in ("no_load_speed", "stall_torque")
+    )
+
+    assert np.corrcoef(speed, stall)[0, 1] < -0.3

@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 
 import pytest
@@ -7,10 +8,9 @@ from pirate_sm.core._loading.robot.commands import constants_of
 from pirate_sm.core._loading.robot.loader import (
     LoadedRobot,
     load_robot,
-    load_twin,
     with_fitted,
-    with_twin,
 )
+from pirate_sm.core._loading.robot.twin import load_twin, simulated_profile, with_twin
 from pirate_sm.core._loading.yaml.document import parse_document
 from pirate_sm.core.errors import PirateError
 from pirate_sm.running.wiring import Order, load
@@ -117,3 +117,51 @@ def test_a_fit_of_another_robot_is_refused_where_it_says_so(tmp_path: Path) -> N
         with_fitted(ROBOT, parse_document("pipe: p\ndiameter: 1 m\nsegments: []\n", "fit.yaml"))
     with pytest.raises(PirateError, match="nowhere"):
         load(Order("enter_2d", fitted=str(tmp_path / "nowhere.yaml")))
+
+
+SAMPLE = """
+sample:
+  numbers: [wheel hold_torque, friction static, friction kinetic]
+  assumed: [friction static]
+  robots:
+    - [0.05, 0.5, 0.4]
+    - [0.06, 0.6, 0.5]
+"""
+PLAIN = "format: 1\nrobot: pirate_ii\nmotors: {bend: {stall_torque: 0.9 Nm}}\n"
+
+
+@pytest.mark.parametrize(
+    ("which", "seed", "hold_nm"),
+    [("#0", 7, 0.05), ("#1", 7, 0.06), ("#3", 7, 0.06), ("#seed", 4, 0.05), ("", 4, 0.3)],
+)
+def test_a_robot_of_the_sample_is_named_by_its_number_or_by_the_seed(
+    tmp_path: Path, which: str, seed: int, hold_nm: float
+) -> None:
+    file = tmp_path / "twin.yaml"
+    file.write_text(PLAIN + SAMPLE)
+
+    changed = simulated_profile(PROFILE, f"{file}{which}", seed)
+
+    assert changed.motors["wheel"].hold_torque == pytest.approx(hold_nm)
+    assert changed.motors["bend"].stall_torque == pytest.approx(0.9)
+
+
+@pytest.mark.parametrize(
+    ("sample", "message"),
+    [
+        (SAMPLE.replace("hold_torque", "weight"), "'wheel weight' is no number of a robot"),
+        (SAMPLE.replace("wheel", "wing"), "kind of motor 'wing'"),
+        (SAMPLE.replace("wheel", "bend"), "only a geared motor has a `hold_torque`"),
+        (SAMPLE.replace("0.05, ", ""), "robot 0 has 2 numbers instead of 3"),
+        (SAMPLE.replace("0.06", "-1"), "robot 1 of the sample: wheel hold_torque"),
+        (SAMPLE.replace("0.6", "0.1"), "kinetic friction cannot be more than static"),
+        (SAMPLE.replace("assumed: [friction", "assumed: [wheel"), "'wheel static' is assumed"),
+        ("", "it has one robot and no `sample`"),
+    ],
+)
+def test_a_faulty_sample_is_refused(tmp_path: Path, sample: str, message: str) -> None:
+    file = tmp_path / "twin.yaml"
+    file.write_text(PLAIN + sample)
+
+    with pytest.raises(PirateError, match=re.escape(message)):
+        simulated_profile(PROFILE, f"{file}#1")

@@ -1,0 +1,122 @@
+"""Writes what a recording says of a robot as a twin: one robot, and a sample of possible ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from math import isnan
+
+import numpy as np
+
+from pirate_sm.core.models import Profile, RobotSample
+from pirate_sm.lab.fitting.measurements import DRAWS
+from pirate_sm.lab.fitting.robot_numbers import RobotNumber
+from pirate_sm.simulation.arrays import Floats
+
+# --- a sample of robots --------------------------------------------------------------------------
+
+
+ROBOTS = 64
+"""Robots of a sample."""
+
+_ASSUMED_WITHIN = 2.0
+"""A number that no recording shows lies within this factor of what the profile says [assumed]."""
+
+
+def sample_of(profile: Profile, numbers: Sequence[RobotNumber], robots: int) -> RobotSample:
+    """Return robots as likely as each other, at most ``DRAWS``.
+
+    Numbers that are known come from the same draw of stretches of the recording, which keeps how
+    they depend on each other. The others are drawn from what is assumed.
+    """
+    random = np.random.default_rng(0)
+    columns: dict[str, Floats] = {}
+    assumed: list[str] = []
+    for each in numbers:
+        if not each.motor:
+            continue
+        name, draws = f"{each.motor} {each.key}", each.estimate.likely
+        if not each.estimate.known:
+            assumed.append(name)
+            value = getattr(profile.motors[each.motor], each.key)
+            draws = _assumed(random, value, each.estimate.low)
+        columns[name] = draws
+    friction = profile.simulation.friction
+    parts = [each.estimate.likely for each in numbers if not each.motor and each.estimate.known]
+    if not parts:
+        assumed.append("friction kinetic")
+    assumed.append("friction static")
+    kinetic = np.mean(parts, axis=0) if parts else _assumed(random, friction.kinetic, np.nan)
+    surplus = friction.static / friction.kinetic - 1 if friction.kinetic else 0.0
+    columns["friction kinetic"] = kinetic
+    columns["friction static"] = kinetic * (1 + surplus * random.uniform(0, 2, DRAWS))
+    rows = np.column_stack(list(columns.values()))
+    rows = rows[np.isfinite(rows).all(axis=1) & (rows > 0).all(axis=1)][:robots]
+    return RobotSample(
+        numbers=tuple(columns), assumed=tuple(assumed), robots=tuple(map(tuple, rows.tolist()))
+    )
+
+
+def _assumed(random: np.random.Generator, value: float, least: float) -> Floats:
+    """Return draws around a value of the profile, none below what the recording has shown."""
+    low = value / _ASSUMED_WITHIN if isnan(least) else max(value / _ASSUMED_WITHIN, least)
+    high = max(value, low) * _ASSUMED_WITHIN
+    draws: Floats = np.exp(random.uniform(np.log(low), np.log(high), DRAWS))
+    return draws
+
+
+# --- as a file -----------------------------------------------------------------------------------
+
+
+def twin_text(
+    profile: Profile, numbers: Iterable[RobotNumber], source: str, robots: int = ROBOTS
+) -> str:
+    """Return the file: what is known, as comments what is not, and the sample.
+
+    Args:
+        profile: Of the robot.
+        numbers: What was estimated.
+        source: What it was estimated from, for people.
+        robots: How many the sample has.
+    """
+    lines = [
+        f"# Numbers of one robot, estimated from {source} by `pirate fit --robot`.",
+        "# The simulator takes them instead of the profile's: pirate-run MISSION --twin FILE",
+        "format: 1",
+        f"robot: {profile.robot}",
+    ]
+    numbers = list(numbers)
+    known = [each for each in numbers if each.motor and each.estimate.known]
+    if known:
+        lines.append("motors:")
+    for motor in dict.fromkeys(each.motor for each in known):
+        lines.append(f"  {motor}:")
+        for each in known:
+            if each.motor == motor:
+                low, high = each.estimate.low, each.estimate.high
+                value = f"    {each.key}: {each.estimate.value:.4g} {each.unit}"
+                lines.append(f"{value}    # 95 %: {low:.4g} to {high:.4g}")
+    for each in numbers:
+        if not each.estimate.known:
+            what = f"{each.motor} {each.key}".strip()
+            lines.append(f"# unknown: {what}: {each.estimate.reason}")
+        elif not each.motor:
+            lines.append(f"# {each.key}: {each.estimate.value:.3f}")
+    kinetic = [each.estimate.value for each in numbers if not each.motor and each.estimate.known]
+    if kinetic:
+        assumed = profile.simulation.friction
+        mean = sum(kinetic) / len(kinetic)
+        static = mean * assumed.static / assumed.kinetic
+        lines.append("# The simulator has one friction: the mean, static in the profile's ratio.")
+        lines.append(f"friction: {{static: {static:.3f}, kinetic: {mean:.3f}}}")
+    return "\n".join([*lines, *_sample_lines(sample_of(profile, numbers, robots)), ""])
+
+
+def _sample_lines(sample: RobotSample) -> Iterator[str]:
+    """Yield the lines of a sample, with a robot in each."""
+    yield "# Robots that the recording leaves possible, in SI units: --twin FILE#0 and so on."
+    yield "sample:"
+    yield f"  numbers: [{', '.join(sample.numbers)}]"
+    yield f"  assumed: [{', '.join(sample.assumed)}]"
+    yield "  robots:"
+    for row in sample.robots:
+        yield f"    - [{', '.join(f'{value:.4g}' for value in row)}]"
