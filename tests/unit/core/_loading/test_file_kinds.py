@@ -13,7 +13,7 @@ from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core._loading.pipe import load_pipe
 from pirate_sm.core._loading.problems import LoadError
 from pirate_sm.core._loading.references import FileKind, kind_of, kind_of_text
-from pirate_sm.core._loading.robot.loader import load_twin
+from pirate_sm.core._loading.robot.twin import load_twin
 
 ROOT = Path(__file__).resolve().parents[4]
 PIRATE = ROOT / "hardware_profiles" / "pirate_ii"
