@@ -59,7 +59,7 @@ class Posture(NamedTuple):
         weights_n: Weight of each wheel with half of its links.
         touches: What touches a wall.
         wheel_radius_m: Radius of the wheels.
-        in_space: Whether forces across the plane count; between bars the plane bears them.
+        in_space: Whether forces across the plane count; else the plane bears them.
     """
 
     points: Sequence[Vector]

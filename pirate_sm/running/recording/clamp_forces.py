@@ -62,7 +62,8 @@ def clamp_forces(loaded: LoadedMission, state: EngineState) -> tuple[ClampForce,
 
 
 def in_words(force: ClampForce) -> str:
-    """Return a force with its interval as text: ``sum 143 N (34 to 486)``."""
+    """Return a force with its interval as text: ``sum 143 N (34 to 486 N)``."""
+    known = "" if isnan(force.force_n) else f" {force.force_n:.0f} N"
     if isnan(force.least_n):
-        return f"{force.wheel} {force.force_n:.0f} N (no static state fits its motors' currents)"
-    return f"{force.wheel} {force.force_n:.0f} N ({force.least_n:.0f} to {force.greatest_n:.0f})"
+        return f"{force.wheel}{known} (in motion, or against something)"
+    return f"{force.wheel}{known} ({force.least_n:.0f} to {force.greatest_n:.0f} N)"

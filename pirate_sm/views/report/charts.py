@@ -208,7 +208,11 @@ class TravelChart:
 
 @dataclass(frozen=True)
 class Measured:
-    """All sampled values of a run."""
+    """All sampled values of a run.
+
+    Attributes:
+        bounds: Between which values the normal forces lay, in words.
+    """
 
     profile: Profile
     robot: RobotSpec
@@ -216,6 +220,7 @@ class Measured:
     setpoints: Samples
     until_s: float
     travel: TravelChart | None
+    bounds: str = ""
 
     def named(self, names: Iterable[str], scale: float = 1.0) -> tuple[Series, ...]:
         """Return signals by their names, without those that no board of the robot measures."""
@@ -265,7 +270,7 @@ def _of_wheels(it: Measured) -> Iterator[Chart]:
     rims = tuple(it.rim(number, 1e3) for number in range(len(it.robot.wheels)))
     yield Chart("Wheel speeds at the rim", "mm/s", 1, rims, "Positive is forward.")
     yield _slip(it)
-    note = "By the statics of the chain; unknown where no part is clamped."
+    note = f"By the statics of the chain; unknown where no part is clamped. {it.bounds}".strip()
     yield Chart("Normal forces", "N", 1, it.derived(kinds.NormalForceOf), note)
     note = "Known if a wheel slips steadily and an outside sensor measures the speed."
     yield Chart("Friction", "", 2, it.derived(kinds.FrictionOf), note)

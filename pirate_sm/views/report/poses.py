@@ -282,17 +282,20 @@ class Holding:
         self._since: dict[int, tuple[float, bool]] = {}
         self._spans: list[list[Span]] = [[] for _ in robot.parts]
 
-    def look(self, state: EngineState, now_s: float) -> None:
-        """Note which parts hold now."""
+    def look(self, state: EngineState, now_s: float) -> bool:
+        """Note which parts hold now; return whether another one has been shown to."""
+        closed = False
         held = self._robot.held[state.robot.configuration]
         confirmed = confirmed_parts(self._robot, state.robot) if held else held
         for part in range(len(self._robot.parts)):
             now = (part in confirmed) if part in held else None
             before = self._since.get(part)
             if (before[1] if before else None) is not now:
+                closed |= now is True
                 self._close(part, now_s)
                 if now is not None:
                     self._since[part] = (now_s, now)
+        return closed
 
     def lanes(self, until_s: float) -> tuple[Lane, ...]:
         """Return one lane for each part, until the end."""

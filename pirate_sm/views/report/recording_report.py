@@ -6,17 +6,20 @@ computes them again from the recorded inputs.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import isnan, nan
 
 from pirate_sm.core import effects as fx
 from pirate_sm.core.engine import EngineState
+from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import Event, SensorFrame
 from pirate_sm.core.geometry import drawn_walls
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.models import SIMULATORS
 from pirate_sm.core.options import JITTER
+from pirate_sm.running.recording.clamp_forces import clamp_forces, in_words
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording
@@ -38,6 +41,9 @@ from pirate_sm.views.report.timeline import Timeline
 
 _MOST_CAUSES = 3
 """The most failures that are shown: the last ones."""
+
+_MOST_CLAMPS = 6
+"""The most moments at which the interval of normal forces is shown: the last ones."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +98,7 @@ class _Run:
         self._story = Story(descriptions, nominal=about.nominal)
         self._way = RunPath()
         self._holding = Holding(robot)
+        self._clamped: deque[tuple[float, EngineState]] = deque(maxlen=_MOST_CLAMPS)
         placing = WheelPlacing(profile, robot, loaded.pipe, about.first_wheel_m)
         self._following = ReckonedPath(placing)
         # Dead reckoning stays in the plane of the drawing.
@@ -140,7 +147,8 @@ class _Run:
         self._state = state
         measured = self._measured.get(event.board, ()) if isinstance(event, SensorFrame) else ()
         self._signals.take(at_s, state.sensing.shown, measured)
-        self._holding.look(state, at_s)
+        if self._holding.look(state, at_s):
+            self._clamped.append((at_s, state))
         if self._reckons:
             self._following.look(state, at_s)
 
@@ -155,10 +163,11 @@ class _Run:
         robot, profile = loaded.robot, loaded.loaded_robot.profile
         poses = seen or self._following.poses
         travel = travel_of(poses, loaded.pipe)
-        measured = Measured(profile, robot, self._signals, self._setpoints, until_s, travel)
+        sampled = self._signals, self._setpoints
+        measured = Measured(profile, robot, *sampled, until_s, travel, self._bounds())
         ending = self._ending()
         lanes = self._timeline.lanes(until_s)
-        held, sampled = self._holding.lanes(until_s), (self._signals, self._setpoints)
+        held = self._holding.lanes(until_s)
         scene = scene_of(poses, profile, robot, loaded.pipe, *sampled, held)
         graph = highlight(mission_graph(loaded.mission), self._way.stops)
         return Report(
@@ -176,6 +185,19 @@ class _Run:
             files=about.files,
             failures=self._failures(),
         )
+
+    def _bounds(self) -> str:
+        """Return in words between which values the normal forces lay when clamps had closed."""
+        try:
+            found = {at_s: clamp_forces(self._loaded, state) for at_s, state in self._clamped}
+        except UsageError as error:
+            return f"Between which values they may lie is not shown: {error}."
+        moments = (
+            f"At {at_s:.2f} s: {', '.join(map(in_words, forces))}."
+            for at_s, forces in found.items()
+            if forces
+        )
+        return " ".join(moments)
 
     def _ending(self) -> RunEnding:
         if self._ended is None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 import sys
 from bisect import bisect_left
 from concurrent.futures import ProcessPoolExecutor
@@ -230,7 +231,9 @@ def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
         pirate_sm.read(tmp_path / "notes.mcap")
 
 
-def test_a_run_says_how_hard_the_robot_presses_and_between_which_bounds(tmp_path: Path) -> None:
+def test_a_run_says_how_hard_the_robot_presses_and_between_which_bounds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     file = tmp_path / "run.mcap"
     with pirate_sm.session("mitre_bend", record=file) as session:
         for command in ("ClampFront", "ClampRear"):
@@ -251,5 +254,9 @@ def test_a_run_says_how_hard_the_robot_presses_and_between_which_bounds(tmp_path
     assert driving["greatest_N"][6] / driving["least_N"][6] < 1.5  # currents show what wheels bear
     assert found["greatest_N"][6] / found["least_N"][6] > 5
     assert session.run.normal_forces(0.0)["wheel"] == []
+    shown = session.run.report().html
+    assert re.search(r"At \d+\.\d\d s: wheel_1 \d+ N \(\d+ to \d+ N\), .*, sum \d+ N \(\d", shown)
+    monkeypatch.setitem(sys.modules, "scipy.optimize", None)
+    assert "pip install 'pirate-sm[fit]'" in session.run.report().html
     with pytest.raises(pirate_sm.UsageError, match="at_s"):
         session.run.normal_forces("now")  # type: ignore[arg-type]
