@@ -164,6 +164,7 @@ learning: $(VENV)/.ready-learning
 
 physics: $(VENV)/.ready-physics
 	$(BIN)/python -m benchmarks.physics
+	$(BIN)/python -m benchmarks.physics_agreement
 	$(BIN)/pirate campaign campaigns/bend_physics.yaml --resume
 
 vision: $(VENV)/.ready-vision

@@ -4,7 +4,7 @@
 
 Prints how far the two are apart after three seconds of ClampFront from the same state and with the
 same setpoints, and how many times real time each world is by itself and with engine and boards in
-the loop. `campaigns/bend_physics.yaml` runs the missions.
+the loop. `benchmarks.physics_agreement` compares forces, `campaigns/bend_physics.yaml` missions.
 """
 
 from __future__ import annotations

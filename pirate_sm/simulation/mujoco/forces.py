@@ -25,7 +25,9 @@ class Motors:
 
     A worm turns its side of the spring at no-load speed × (duty - torque / stall torque) and is
     never driven back; the spring is the actuator. A wheel's motor gives stall torque × duty less
-    what its speed costs; at duty 0, or with a failed motor, dry friction resists.
+    what its speed costs; at duty 0, or with a failed motor, dry friction resists. So does the
+    tyre, by its rolling resistance times the normal force of the cycle before: friction of the
+    axle, which never drives.
 
     Args:
         model: MuJoCo's model of the robot.
@@ -48,7 +50,7 @@ class Motors:
         out = {
             name: quantities[layout.block(name)]
             for name in (
-                "bend", "bend_torque", "bend_current", "wheel", "turned", "drive", "grip"
+                "bend", "bend_torque", "bend_current", "wheel", "turned", "drive", "grip", "press"
             )
         }  # fmt: skip
         self._out = out
@@ -72,6 +74,7 @@ class Motors:
         self._hold = np.array([each.hold_nm for each in chain.wheels])
         self._read = np.zeros(n)
         self._radius_m = chain.wheel_radius_m
+        self._resistance_m = chain.rolling_resistance * chain.wheel_radius_m
         out["bend"][:] = pose.bends_rad
         data.qpos[self._bend] = np.array(pose.bends_rad)[self._at]
         data.act[self._wound] = np.array(pose.motors_rad)[self._at]
@@ -91,7 +94,8 @@ class Motors:
         data.ctrl[self._motor] = np.where(driven, self._wheel_stall * duty, 0.0)
         slope = self._wheel_stall / np.where(working, self._wheel_rate, 1.0)
         model.dof_damping[self._wheel_dof] = np.where(driven, slope, 0.0)
-        model.dof_frictionloss[self._wheel_dof] = np.where(driven, 0.0, self._hold)
+        held = np.where(driven, 0.0, self._hold)
+        model.dof_frictionloss[self._wheel_dof] = held + self._resistance_m * out["press"]
 
     def read(self, duties: Floats) -> None:
         """Write the quantities of the motors after a cycle; `grip` must have been written."""
@@ -149,6 +153,7 @@ class WheelContacts:
 
     The cone's coefficient is static up to the threshold of the slip speed and falls to the kinetic
     one at 1.5 times that speed (thesis fig. 4-3); within the cone, MuJoCo lets a wheel stick.
+    Against spinning on the spot, which it can do in space alone, that of the tyre's contact holds.
 
     Args:
         model: MuJoCo's model of the robot.
@@ -182,8 +187,8 @@ class WheelContacts:
             self.let_grip(wheel, friction.static, friction.kinetic)
         # A wheel that slides with little force hops: between two hops it slides on.
         self._slips = np.zeros(n)
-        self._friction: Floats = self.static.copy()
-        model.geom_friction[self._geoms, 0] = self.static
+        self._spin_radius_m = chain.spin_radius_m
+        self._set_friction()
 
     def let_grip(self, wheel: int, static: float, kinetic: float) -> None:
         """Give a wheel these friction coefficients."""
@@ -224,8 +229,9 @@ class WheelContacts:
         beyond = self._slips / self._threshold_m_s - 1.0
         share = np.clip(beyond / (_FULL_SLIP - 1.0), 0.0, 1.0)
         friction = self.static + share * (self.kinetic - self.static)
-        self._friction = friction
+        self._friction: Floats = friction
         self._model.geom_friction[self._geoms, 0] = friction
+        self._model.geom_friction[self._geoms, 1] = friction * self._spin_radius_m
 
     def _motions(self) -> list[_Motion]:
         """Return how each wheel moves."""

@@ -32,8 +32,8 @@ def numbers(*values: float) -> str:
 # --- the pipe ------------------------------------------------------------------------------------
 
 
-PLATES = 24
-"""Of a round pipe; between two of them it is 1 % wider than on their middles."""
+PLATES = 48
+"""Of a round pipe; between two of them it is 0.2 % wider than on their middles."""
 # Thin enough that the end of a bar at an inner corner hardly stands out of the next bar.
 _HALF_M = 0.003
 _FAR_M = 1000.0

@@ -59,14 +59,23 @@ def test_a_joint_without_a_spring_stays_as_it_stands(chain: ChainBody) -> None:
     assert np.cross(ahead, behind) == pytest.approx([0.0] * 3, abs=1e-9)
 
 
-def test_a_round_pipe_is_24_plates_and_straight(chain: ChainBody) -> None:
+def test_a_round_pipe_is_48_plates_and_straight(chain: ChainBody) -> None:
     route = Route(straight(section="round"))
     text = model_text(chain, route, stand(chain, route, 1.0, {}), 0.002, space=True)
     walls = fromstring(text).findall("worldbody/geom")
-    assert len(walls) == 24
+    assert len(walls) == 48
     bent = Route(bend(section="round"))
     with pytest.raises(UsageError, match="no bends in a round pipe"):
         MujocoWorld(chain, bent, FRICTION, stand(chain, bent, 0.7, {}), CYCLE_S)
+
+
+@pytest.mark.parametrize("section", ["bars", "round"])
+def test_a_world_that_is_made_stands_as_it_was_put(chain: ChainBody, section: str) -> None:
+    route = Route(straight(section=section))
+    pose = stand(chain, route, 1.0, {1: -0.5, 2: 0.5, 3: -0.5, 4: 0.5})
+    robot = MujocoWorld(chain, route, FRICTION, pose, CYCLE_S)
+    assert np.array(robot.places()) == pytest.approx(np.array(pose.places), abs=1e-12)
+    assert not robot.data.qvel.any()
 
 
 def test_a_loose_robot_begins_on_the_wall_that_it_lies_on(chain: ChainBody) -> None:
@@ -95,6 +104,49 @@ def test_the_coefficient_falls_with_the_speed_of_the_slip(place: Place) -> None:
     assert model.geom_friction[wheels, 0][pressing] == pytest.approx(0.05)
     press, grip = np.array(robot.values("press")), np.abs(robot.values("grip"))
     assert grip[pressing] / press[pressing] == pytest.approx(0.05, rel=0.03)
+
+
+@pytest.mark.parametrize("section", ["bars", "round"])
+def test_wheels_spin_on_the_spot_against_the_friction_of_their_contact(
+    chain: ChainBody, section: str
+) -> None:
+    model = world(replace(chain, spin_radius_m=0.002), section).model
+    wheels = [model.geom(f"wheel_{i}").id for i in range(6)]
+    assert model.geom_friction[wheels, :2] == pytest.approx(np.array([[0.7, 0.7 * 0.002]] * 6))
+
+
+@pytest.mark.parametrize("section", ["bars", "round"])
+def test_rolling_resistance_costs_what_hand_calculation_says(
+    place: Place, profile: Profile, section: str
+) -> None:
+    tyre = profile.simulation.tyre.model_copy(update={"rolling_resistance": 0.02})
+    simulation = profile.simulation.model_copy(update={"tyre": tyre})
+    rubber = profile.model_copy(update={"simulation": simulation})
+    robot = place(straight(section=section), at=2.5, robot=rubber, physics=MujocoWorld)
+    robot.clamp(1, 2, 3, 4)
+    robot.run(1.0)
+    robot.drive(1.0)
+    robot.run(2.0)
+    needed_nm = 0.02 * sum(robot.values("press")) * 0.024
+    assert sum(robot.values("drive")) == pytest.approx(needed_nm, rel=0.02)
+
+
+def test_rolling_resistance_stops_a_robot_and_never_drives_it(chain: ChainBody) -> None:
+    free = tuple(replace(wheel, hold_nm=0.0) for wheel in chain.wheels)
+    made = replace(chain, wheels=free, rolling_resistance=0.05)
+    route = Route(straight())
+    clamped = {1: -0.5, 2: 0.5, 3: -0.5, 4: 0.5}
+    robot = MujocoWorld(made, route, FRICTION, stand(made, route, 2.0, clamped), CYCLE_S)
+    robot.duties[1:5] = [-0.5, 0.5, -0.5, 0.5]
+    for drive, cycles in ((1.0, 100), (0.0, 100)):
+        robot.duties[6:] = [drive, -drive] * 3
+        for _ in range(cycles):
+            robot.advance()
+    at_rest = np.array(robot.places())
+    for _ in range(100):
+        robot.advance()
+    assert at_rest[:, 0].mean() > 1.9
+    assert np.array(robot.places()) == pytest.approx(at_rest, abs=2e-4)
 
 
 def test_a_world_that_has_become_unstable_says_so(
