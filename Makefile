@@ -164,6 +164,7 @@ learning: $(VENV)/.ready-learning
 
 physics: $(VENV)/.ready-physics
 	$(BIN)/python -m benchmarks.physics
+	$(BIN)/python -m benchmarks.physics_properties
 	$(BIN)/python -m benchmarks.physics_agreement
 	$(BIN)/pirate campaign campaigns/bend_physics.yaml --resume
 
@@ -223,7 +224,7 @@ build/pins.txt: $(LOCK)
 # `jit` serves trees whose sources have changed.
 $(VENV)/.ready-sim: EXTRAS := jit
 $(VENV)/.ready-dev: EXTRAS := dev,docs,jit,campaign,physics,gym,serial,live,vision
-$(VENV)/.ready-physics: EXTRAS := jit,physics,campaign
+$(VENV)/.ready-physics: EXTRAS := jit,physics,campaign,fit
 $(VENV)/.ready-campaign: EXTRAS := jit,campaign
 $(VENV)/.ready-learning: EXTRAS := dev,jit,gym
 $(VENV)/.ready-browser: EXTRAS := browser,dev,jit
