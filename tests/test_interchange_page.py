@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import pytest
 from followed_page import BLOCK
 from page_reader import ROOT, Reader, reader
 
@@ -24,6 +25,7 @@ WRONG = """\
 """
 
 
+@pytest.mark.thorough
 def test_the_page_does_what_it_says(reader: Reader) -> None:
     (reader.folder / "wrong.scxml").write_text(WRONG, encoding="utf-8")
     printed, ran = "", {"sh": 0, "text": 0, "python": 0}

@@ -12,6 +12,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from representative import thorough_but
 
 from agreement.missions import invent
 from agreement.robots import NEWT, PIRATE
@@ -23,6 +24,7 @@ from pirate_sm.running.wiring import Order
 IN_PLANE = ("climb", "enter_2d", "enter_3d", "inspect", "mitre_bend", "take_bend")
 ROUND = ("level", "take_branch", "take_elbow", "turn_left")
 QUICK = (*IN_PLANE, *ROUND)
+FEW = ("climb", "enter_3d", "mitre_bend", "level", "take_elbow")
 SHIPPED = [path.stem for path in library.missions()]
 DEFECTS = sorted(load_robot(library.find_robot("pirate_ii")).profile.simulation.defects)
 TIMED = (
@@ -89,7 +91,8 @@ def test_a_tap_that_looks_at_every_step_sees_every_step() -> None:
 
 
 @pytest.mark.parametrize("mission", [
-    pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in SHIPPED
+    *thorough_but(FEW, QUICK),
+    *(pytest.param(name, marks=pytest.mark.slow) for name in SHIPPED if name not in QUICK),
 ])  # fmt: skip
 def test_shipped_missions(mission: str) -> None:
     assert_the_same(Order(mission))
@@ -97,7 +100,8 @@ def test_shipped_missions(mission: str) -> None:
 
 @pytest.mark.parametrize("detector", DETECTORS)
 @pytest.mark.parametrize("seed", [
-    *range(1, 3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 13))
+    1, pytest.param(2, marks=pytest.mark.thorough),
+    *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 13)),
 ])  # fmt: skip
 def test_robots_that_start_somewhere(seed: int, detector: str) -> None:
     mission = ("mitre_bend", "take_bend", "take_elbow", "take_branch")[seed % 4]
@@ -121,7 +125,7 @@ def test_robots_with_two_defects() -> None:
             assert_the_same(Order(mission, seed=seed, defects=defects), after_s=12.0)
 
 
-@pytest.mark.parametrize("defect", TIMED)
+@pytest.mark.parametrize("defect", thorough_but(TIMED[2:6], TIMED))
 def test_belief_meets_a_defect_that_begins_while_frames_are_taken(defect: str) -> None:
     mission = ("mitre_bend", "take_elbow")[TIMED.index(defect) % 2]
     order = Order(mission, seed=3, defects=(defect,), detector="odometry")

@@ -72,7 +72,11 @@ TIMED = [
 ]
 """Defects that begin in the middle of the mission."""
 
-FEW = [*list(DEFECTS)[: list(DEFECTS).index("wheel_1_dead")], *OF_THE_CONTROLLER, *TIMED]
+FEW = [
+    *("gamma_2_drops", "gamma_2_stiff", "gamma_3_spikes", "imu_stale", "messages_lost"),
+    *("firmware_reset", "wheels_3_4_dead", "hangs_for_good", "moves_a_motor", *TIMED[:3]),
+]
+"""Of each kind one."""
 
 
 class Course(NamedTuple):

@@ -53,6 +53,7 @@ def test_a_run_is_replayed_where_opencv_is_not_installed(recording: Path) -> Non
     assert "replayed identically" in done.stdout
 
 
+@pytest.mark.thorough
 def test_places_and_pictures_are_recorded(recording: Path) -> None:
     places = [shown.content for shown in read_recording(recording).shown("/vision")]
     pictures = list(read_recording(recording).shown("/camera"))

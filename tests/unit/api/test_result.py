@@ -12,6 +12,7 @@ from types import ModuleType
 
 import pandas as pd
 import pytest
+from representative import thorough_but
 
 import pirate_sm
 from pirate_sm.running.recording.read.reader import read_recording
@@ -75,7 +76,9 @@ def test_an_empty_table_has_the_columns_of_a_full_one(patrolled: pirate_sm.Run) 
     assert patrolled.faults == {name: [] for name in columns}
 
 
-@pytest.mark.parametrize("protocol", range(2, HIGHEST_PROTOCOL + 1))
+@pytest.mark.parametrize(
+    "protocol", thorough_but([HIGHEST_PROTOCOL], range(2, HIGHEST_PROTOCOL + 1))
+)
 def test_a_run_can_be_pickled(recorded: tuple[pirate_sm.Run, pirate_sm.Run], protocol: int) -> None:
     for run in recorded:
         sent = loads(dumps(run, protocol))

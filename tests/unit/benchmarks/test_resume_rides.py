@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from representative import thorough_but
 
 from benchmarks.resume_rides import KINDS, LIES, Case, missions, ride
 from pirate_sm.core import library
@@ -12,7 +13,7 @@ MISSION = "prepare_bend"
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("share", [0.3, 0.9])
+@pytest.mark.parametrize("share", thorough_but([0.9], [0.3, 0.9]))
 def test_whatever_dies_the_mission_goes_on_without_a_let_go(kind: str, share: float) -> None:
     found = ride(Case(MISSION, kind, share, dark_s=1.0))
 

@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+from representative import thorough_but
 
 from pirate_sm.cli import start
 
@@ -37,13 +38,19 @@ run_main()
 
 @pytest.mark.parametrize(
     ("command", "becomes", "says"),
-    [
-        ("run", "raise", "interrupted, nothing has moved\n"),
-        ("run", "raise RuntimeError", "interrupted, nothing has moved\n"),
-        ("run", "pass", "interrupted, nothing has moved\n"),
-        ("check", "raise", "interrupted\n"),
-        ("check", "raise RuntimeError", "interrupted\n"),
-    ],
+    thorough_but(
+        [
+            ("run", "raise", "interrupted, nothing has moved\n"),
+            ("check", "raise RuntimeError", "interrupted\n"),
+        ],
+        [
+            ("run", "raise", "interrupted, nothing has moved\n"),
+            ("run", "raise RuntimeError", "interrupted, nothing has moved\n"),
+            ("run", "pass", "interrupted, nothing has moved\n"),
+            ("check", "raise", "interrupted\n"),
+            ("check", "raise RuntimeError", "interrupted\n"),
+        ],
+    ),
 )
 def test_ctrl_c_while_a_file_is_read_ends_the_command(
     command: str, becomes: str, says: str

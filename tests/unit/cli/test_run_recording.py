@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from representative import thorough_but
 from typer.testing import Result
 
 from pirate_sm.running.recording.read.reader import read_recording
@@ -146,7 +147,10 @@ def test_a_disk_that_fills_up_is_told_once_and_the_mission_runs(
     assert "succeeded" in result.stdout
 
 
-@pytest.mark.parametrize("output", [(), ("--plain",), ("--quiet",), ("--json",)])
+@pytest.mark.parametrize("output", [
+    (), pytest.param(("--plain",), marks=pytest.mark.thorough),
+    pytest.param(("--quiet",), marks=pytest.mark.thorough), ("--json",),
+])  # fmt: skip
 def test_a_recording_that_ends_before_its_run_is_told_once_by_every_output(
     output: tuple[str, ...], here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -165,7 +169,7 @@ def broken(self: object) -> bytes:
     raise OSError(errno.EIO, "the disk is gone")
 
 
-@pytest.mark.parametrize("room", [90_000, 100_000, 110_000])
+@pytest.mark.parametrize("room", thorough_but([100_000], [90_000, 100_000, 110_000]))
 def test_until_when_a_recording_holds_is_said_as_a_reader_finds_it(
     room: int, here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from representative import thorough_but
 
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.errors import BackendError
@@ -42,7 +43,10 @@ def clamps(line: dict[str, Any]) -> list[float]:
     return [line["values"][index] for index in (2, 4)]
 
 
-@pytest.mark.parametrize("number", list(BY_SIGNAL))
+USUAL = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+
+
+@pytest.mark.parametrize("number", thorough_but(USUAL, BY_SIGNAL))
 def test_a_signal_stops_the_wheels_and_holds_the_clamps(start: Start, number: int) -> None:
     process = start(*DRIVES, "--json")
     before = read_until_it_drives(process)
@@ -61,7 +65,7 @@ def test_a_signal_stops_the_wheels_and_holds_the_clamps(start: Start, number: in
     assert err == ""
 
 
-@pytest.mark.parametrize("signals", [1, 2])
+@pytest.mark.parametrize("signals", thorough_but([1], [1, 2]))
 def test_the_last_line_says_in_what_state_the_robot_is_left(start: Start, signals: int) -> None:
     process = start(*DRIVES, "--plain")
     assert process.stdout is not None
@@ -106,7 +110,7 @@ def test_two_signals_end_it_as_well(start: Start) -> None:
     assert (process.returncode, err) == (130, "")
 
 
-@pytest.mark.parametrize("form", [(), ("--json",)])
+@pytest.mark.parametrize("form", [(), pytest.param(("--json",), marks=pytest.mark.thorough)])
 def test_a_closed_pipe_behind_the_output_stops_the_mission(
     start: Start, form: tuple[str, ...]
 ) -> None:
@@ -126,7 +130,11 @@ def test_a_closed_pipe_behind_the_output_stops_the_mission(
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
 @pytest.mark.parametrize(
-    ("form", "said"), [((), "nothing has moved"), (("--quiet",), "the mission succeeded")]
+    ("form", "said"),
+    thorough_but(
+        [((), "nothing has moved")],
+        [((), "nothing has moved"), (("--quiet",), "the mission succeeded")],
+    ),
 )
 def test_an_output_that_cannot_be_written_is_reported(
     start: Start, form: tuple[str, ...], said: str

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from representative import thorough_but
 
 from pirate_sm import UsageError
 from pirate_sm.core._model.pipe import Attitude, Blockage, Start
@@ -75,7 +76,7 @@ def one_by_one(profile: Profile, some: Sequence[SimulatedRobot]) -> list[tuple[A
     return shown
 
 
-@pytest.mark.parametrize("threads", [1, 2, 5])
+@pytest.mark.parametrize("threads", thorough_but([2], [1, 2, 5]))
 @pytest.mark.parametrize("pipe", PIPES)
 @pytest.mark.parametrize("defects", DEFECTS)
 def test_a_batch_moves_its_robots_as_they_move_alone(

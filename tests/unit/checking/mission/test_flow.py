@@ -86,6 +86,7 @@ def test_a_wait_counts_on_what_any_wait_before_it_has_counted(tmp_path: Path) ->
     assert findings(tmp_path, CLAMP + turn + between + on + END) == []
 
 
+@pytest.mark.thorough
 def test_a_way_of_many_waits_is_followed_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -51,6 +51,7 @@ def test_a_state_that_a_stop_has_doubted_is_confirmed_again(bend, begun_in):
     assert why_not_from(bend, "prepare", plan.body) == ""
 
 
+@pytest.mark.thorough
 def test_each_phase_that_can_succeed_is_restored_from_both_clamps(bend, begun_in):
     body = standing(bend, "Fixed", "Fixed", "DoubleClamped", "Unaligned", "On")
     found = restoring(bend, bend.program.phases, body, begun_in)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import jsonschema
@@ -22,7 +23,11 @@ from ..robots import ROOT
 SCHEMAS = ROOT / "tests" / "schemas"
 OWN = json.loads((ROOT / "docs" / "schemas" / "check.schema.json").read_text("utf-8"))
 SARIF = json.loads((SCHEMAS / "sarif-2.1.0.json").read_text("utf-8"))
-JUNIT = xmlschema.XMLSchema(str(SCHEMAS / "junit-10.xsd"))
+
+
+@cache
+def junit_schema() -> xmlschema.XMLSchema:
+    return xmlschema.XMLSchema(str(SCHEMAS / "junit-10.xsd"))
 
 
 @pytest.fixture
@@ -143,7 +148,7 @@ def test_sarif_knows_a_finding_again_on_another_line_and_tells_equal_ones_apart(
 
 
 def test_junit_is_as_its_schema_says(any_report: CheckReport) -> None:
-    JUNIT.validate(junit_report(any_report, Severity.WARNING))
+    junit_schema().validate(junit_report(any_report, Severity.WARNING))
 
 
 REPORTS = [json_report, sarif_report, lambda report: junit_report(report, Severity.ERROR)]
@@ -160,7 +165,7 @@ def test_a_report_for_programs_hides_nothing_on_a_terminal(
 def test_junit_fails_where_the_check_fails(
     report: CheckReport, fail_on: Severity, failures: str
 ) -> None:
-    data = JUNIT.to_dict(junit_report(report, fail_on))
+    data = junit_schema().to_dict(junit_report(report, fail_on))
 
     assert (data["@tests"], data["@failures"]) == ("6", failures)
     suites = {each["@name"]: each for each in data["testsuite"]}

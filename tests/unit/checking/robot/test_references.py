@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 import yaml
+from representative import thorough_but
 
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.robot.check_robot import check_robot
@@ -400,8 +401,11 @@ def test_every_text_of_a_profile_is_known_to_be_a_reference_or_not(robot: Path) 
     assert unknown == []
 
 
-def test_a_wrong_reference_of_a_new_robot_is_reported(template: Path, tmp_path: Path) -> None:
-    assert unnoticed(template, tmp_path, 40) == []
+@pytest.mark.parametrize("some", thorough_but([8], [8, 40]))
+def test_a_wrong_reference_of_a_new_robot_is_reported(
+    template: Path, some: int, tmp_path: Path
+) -> None:
+    assert unnoticed(template, tmp_path, some) == []
 
 
 @pytest.mark.thorough

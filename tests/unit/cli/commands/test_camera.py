@@ -58,6 +58,7 @@ def picture() -> NDArray[np.uint8]:
     return SyntheticPictures(camera, eye_of(camera).view, camera.source.synthetic).picture(shown, 0)
 
 
+@pytest.mark.thorough
 def test_a_synthetic_camera_can_be_tried_before_it_is_built(pirate: Any, here: Path) -> None:
     result = pirate("camera", "look", "synthetic", "-o", "found.png")
 
@@ -68,6 +69,7 @@ def test_a_synthetic_camera_can_be_tried_before_it_is_built(pirate: Any, here: P
     assert cv2.imread("found.png").shape == (1080, 1920, 3)
 
 
+@pytest.mark.thorough
 def test_a_survey_is_written_into_the_file_and_then_used(
     pirate: Any, mine: Path, picture: NDArray[np.uint8]
 ) -> None:
@@ -91,6 +93,7 @@ def test_a_survey_is_written_into_the_file_and_then_used(
     assert off[1] < 1
 
 
+@pytest.mark.thorough
 def test_an_impossible_survey_writes_nothing(
     pirate: Any, mine: Path, picture: NDArray[np.uint8]
 ) -> None:

@@ -234,6 +234,7 @@ def test_the_report_of_results_is_a_page_in_their_folder(pirate: Any, filled: An
     assert "55 of 60" in (results / "index.html").read_text("utf-8")
 
 
+@pytest.mark.thorough
 def test_a_campaigns_page_links_to_the_reports_of_its_recorded_runs(
     pirate: Any, filled: Any, tmp_path: Path
 ) -> None:

@@ -421,6 +421,7 @@ def test_experiments_and_twins_are_checked_with_their_robot(pirate: Any, tmp_pat
     assert "1 robot, 1 chart, 3 experiments, 1 twin checked" in result.stdout
 
 
+@pytest.mark.thorough
 def test_scenes_are_checked(pirate: Any, tmp_path: Path) -> None:
     scene = tmp_path / "stiff.yaml"
     scene.write_text(

@@ -69,6 +69,7 @@ def test_the_closest_calls_of_the_bend(pirate: Any) -> None:
     assert all(0.1 <= each["share"] < 1 for each in found["nearly"])
 
 
+@pytest.mark.thorough
 def test_seeds_are_counted_from_zero_and_tell_their_calls(pirate: Any) -> None:
     (found,) = rehearsed(pirate, NEWT / "patrol.yaml", "--seeds", 3)
 
@@ -76,6 +77,7 @@ def test_seeds_are_counted_from_zero_and_tell_their_calls(pirate: Any) -> None:
     assert {each["seed"] for each in found["nearly"]} <= {0, 1, 2}
 
 
+@pytest.mark.thorough
 def test_twice_the_same_comes_out(pirate: Any) -> None:
     first, second = (rehearsed(pirate, "enter_2d", "--seeds", 2) for _ in range(2))
 

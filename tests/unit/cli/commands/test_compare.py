@@ -18,6 +18,7 @@ def run(pirate_run: Any, tmp_path: Path) -> Any:
     return make
 
 
+@pytest.mark.thorough
 def test_seeds_and_options_that_differ_are_named_before_anything_else(
     pirate: Any, run: Any
 ) -> None:
@@ -57,6 +58,7 @@ def test_a_place_that_does_not_exist_is_named_and_not_the_other_one(
         assert result.stderr == f"there is no '{missing}'\n"
 
 
+@pytest.mark.thorough
 def test_runs_that_were_made_alike_say_so(pirate: Any, run: Any) -> None:
     one, other = run("one"), run("other")
 

@@ -29,6 +29,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.thorough
 def test_a_mission_is_the_same_as_itself(pirate: Any) -> None:
     result = pirate("diff", "mitre_bend", "mitre_bend")
 

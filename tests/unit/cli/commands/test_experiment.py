@@ -33,6 +33,7 @@ def test_the_thesis_stands_beside_ours_with_a_verdict_and_its_reason(
     assert "loops on physics" not in told.stdout
 
 
+@pytest.mark.thorough
 def test_that_gravity_compensation_harms_is_not_reproducible_and_the_algebra_is_given(
     pirate: Any,
 ) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+from representative import thorough_but
 
 from pirate_sm.running.recording.read.reader import read_recording
 
@@ -50,6 +51,7 @@ def test_the_recording_for_viewers_is_a_new_file(pirate: Any, run: Path, tmp_pat
     assert other.read_text() == "mine"
 
 
+@pytest.mark.thorough
 def test_parquet_and_a_bag_of_ros_are_folders(pirate: Any, run: Path, tmp_path: Path) -> None:
     tables, bag = tmp_path / "tables", tmp_path / "bag"
 
@@ -88,7 +90,7 @@ def test_a_file_that_cannot_be_written_is_reported(
     "option",
     ["--csv", "--parquet", "--viewers", "--ros2", "--urdf", "--lichtblick", "--plotjuggler"],
 )
-@pytest.mark.parametrize("linked", [False, True])
+@pytest.mark.parametrize("linked", thorough_but([True], [False, True]))
 def test_no_recording_is_overwritten(
     pirate: Any, run: Path, tmp_path: Path, option: str, linked: bool
 ) -> None:
@@ -132,7 +134,7 @@ def test_of_a_recording_without_contents_or_with_damage_no_folder_is_left(
     assert not (tmp_path / "csv").exists()
 
 
-@pytest.mark.parametrize("kind", ["csv", "parquet"])
+@pytest.mark.parametrize("kind", thorough_but(["csv"], ["csv", "parquet"]))
 def test_tables_are_written_again_but_not_over_somebodys_work(
     pirate: Any, run: Path, tmp_path: Path, kind: str
 ) -> None:
@@ -159,6 +161,7 @@ def test_tables_are_written_again_but_not_over_somebodys_work(
     assert {each.name: each.read_bytes() for each in folder.iterdir()} == before
 
 
+@pytest.mark.thorough
 def test_a_damaged_recording_leaves_the_tables_that_were_there(
     pirate: Any, run: Path, tmp_path: Path
 ) -> None:

@@ -20,6 +20,7 @@ def table(tmp_path: Path) -> Path:
     return file
 
 
+@pytest.mark.thorough
 def test_each_wheel_has_its_peak_its_plateau_and_both_curves(pirate: Any, table: Path) -> None:
     told = pirate("fit", table, "--friction", "used_{}", "--threshold", "1 mm/s")
 
@@ -46,6 +47,7 @@ def test_it_is_written_into_a_pipe_file_a_page_and_a_table(
     assert csv.read_text().splitlines()[0] == "wheel,what,value,low,high,reason"
 
 
+@pytest.mark.thorough
 def test_without_points_that_slip_the_plateau_is_refused_and_nothing_is_written(
     pirate: Any, table: Path, tmp_path: Path
 ) -> None:

@@ -135,6 +135,7 @@ def test_a_name_must_be_a_name(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.thorough
 def test_a_copy_of_a_robot_is_found_by_its_name_wherever_a_robot_is_asked_for(
     pirate: Any, pirate_run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -163,6 +163,7 @@ def test_nothing_is_overwritten(pirate: Any, run: Path, recorded: bytes) -> None
     assert Path("mine.mcap").read_text() == "mine"
 
 
+@pytest.mark.thorough
 def test_damage_leaves_a_gap_that_every_command_says(
     pirate: Any, run: Path, recorded: bytes
 ) -> None:

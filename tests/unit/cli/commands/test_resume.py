@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from click.testing import Result
+from representative import thorough_but
 from typer.testing import CliRunner
 
 from benchmarks.resume_rides import LIES, World, _Grip, prepared_on, ride_on, world
@@ -235,13 +236,16 @@ def test_a_run_that_was_resumed_can_be_resumed_again(
 
 @pytest.mark.parametrize(
     ("mission", "cut_s"),
-    [
-        ("take_elbow", 5.0),
-        ("house_connection", 30.0),
-        # In a plane, where both parts have turned.
-        ("enter_3d", 10.0),
-        ("enter_3d", 20.3),
-    ],
+    thorough_but(
+        [("take_elbow", 5.0), ("enter_3d", 20.3)],
+        [
+            ("take_elbow", 5.0),
+            ("house_connection", 30.0),
+            # In a plane, where both parts have turned.
+            ("enter_3d", 10.0),
+            ("enter_3d", 20.3),
+        ],
+    ),
 )
 def test_a_simulated_robot_is_put_back_and_goes_on_to_the_same_end(
     mission: str, cut_s: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -278,7 +282,9 @@ def test_a_robot_of_another_physics_is_not_put_back_in_a_round_pipe(
     assert "a robot of the backend physics cannot be put back in a round pipe" in result.stderr
 
 
-@pytest.mark.parametrize(("key", "code"), [("\x03", 130), ("\r", 2), ("\x04", 2)])
+@pytest.mark.parametrize(
+    ("key", "code"), thorough_but([("\r", 2)], [("\x03", 130), ("\r", 2), ("\x04", 2)])
+)
 def test_a_person_leaves_the_robot_as_it_is(cut: Path, key: str, code: int) -> None:
     ended, shown, same = on_a_terminal(
         ("--resume", str(cut.resolve()), "--no-record"), once("leave [enter]? ", key)

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from jsonschema import Draft202012Validator
+from representative import thorough_but
 
 from ..conftest import NEWT, ROOT
 
@@ -34,7 +35,9 @@ def validator() -> Draft202012Validator:
     return Draft202012Validator(SCHEMA)
 
 
-@pytest.mark.parametrize("run", RUNS)
+@pytest.mark.parametrize(
+    "run", thorough_but({"trace", "defect", "refused", "unmet", "no pipe"}, RUNS)
+)
 def test_every_line_holds_to_the_schema(
     pirate_run: Any, validator: Draft202012Validator, run: str
 ) -> None:

@@ -184,7 +184,7 @@ ASK = ("docs/examples/ask.yaml", "--backend", "trace", "--speed", "max")
     ("key", "code"),
     thorough_but([("1", 0), ("2", 1)], [("1", 0), ("2", 1), ("3", 1), ("\r", 0)]),
 )
-@pytest.mark.parametrize("form", [(), ("--plain",)])
+@pytest.mark.parametrize("form", [(), pytest.param(("--plain",), marks=pytest.mark.thorough)])
 def test_a_person_at_a_terminal_is_asked(key: str, code: int, form: tuple[str, ...]) -> None:
     ended, shown, same = on_a_terminal((*ASK, *form), once("[3] stop", key))
 

@@ -26,7 +26,7 @@ SHIPPED = [
     NEWT / "patrol.yaml",
     NEWT / "take_hold.yaml",
 ]
-FEW = [path for path in SHIPPED if path.parent.name != "sequences" or path.stem in REPRESENTATIVE]
+FEW = [path for path in SHIPPED if path.parent == NEWT or path.stem in REPRESENTATIVE]
 
 
 @cache

@@ -130,6 +130,7 @@ def test_a_fault_of_the_base_keeps_its_place(files):
 # --- the robot that is made like this -----------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_the_robot_with_the_inertial_unit_adds_two_commands_and_two_states():
     usual, imu = load_robot(PIRATE), load_robot(IMU)
 

@@ -99,6 +99,7 @@ def test_belief_is_tried_with_timed_defects_in_campaigns(tmp_path: Path) -> None
     ]
 
 
+@pytest.mark.thorough
 def test_belief_is_tried_with_every_defect_alone_and_in_pairs_at_any_time(tmp_path: Path) -> None:
     text = "campaign: trial\nmissions: [mitre_bend]\nseeds: 5\ndefects: [{}]\n"
     late = "each:after=0s..20s"

@@ -30,6 +30,7 @@ def test_a_drive_there_and_back_ends_where_it_began_and_wheels_tell_its_way(
     assert result.values["3d.sim.error"] < 0.005
 
 
+@pytest.mark.thorough
 def test_what_each_run_came_to_is_told_and_drawn(result: ExperimentResult) -> None:
     assert len(result.notes) == 1, "no mission stands for 3b"
     assert result.notes[0].startswith("3d on sim: succeeded after ")

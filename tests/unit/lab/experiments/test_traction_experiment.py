@@ -23,6 +23,7 @@ def result() -> ExperimentResult:
 
 
 @pytest.mark.thorough
+@pytest.mark.thorough
 def test_values_are_there_for_every_level_of_noise_and_where_friction_sticks(
     result: ExperimentResult,
 ) -> None:
@@ -30,12 +31,14 @@ def test_values_are_there_for_every_level_of_noise_and_where_friction_sticks(
         assert {f"3c.{level}.{name}" for name in ("error", "way", "place")} <= set(result.values)
 
 
+@pytest.mark.thorough
 def test_a_compensated_variant_is_compared_with_its_partner(result: ExperimentResult) -> None:
     assert result.values["3d.thesis.apart"] < 1e-3
     assert result.values["3d.clean.kept"] > 0.1
     assert "3c.thesis.apart" not in result.values
 
 
+@pytest.mark.thorough
 def test_the_curves_of_the_run_apart_have_the_friction_that_was_put_in(
     result: ExperimentResult,
 ) -> None:
@@ -46,6 +49,7 @@ def test_the_curves_of_the_run_apart_have_the_friction_that_was_put_in(
         assert result.values[f"3d.{wheel}.magic_plateau"] == pytest.approx(kinetic, rel=0.05)
 
 
+@pytest.mark.thorough
 def test_the_figures_of_the_thesis_are_drawn(result: ExperimentResult) -> None:
     titles = [figure.title.partition(":")[0] for figure in result.figures]
 

@@ -53,6 +53,7 @@ def test_a_misspelt_signal_is_suggested() -> None:
         column({"slip_speed_1": np.zeros(1)}, "slip_sped_1")
 
 
+@pytest.mark.thorough
 def test_no_setpoint_of_before_a_gap_is_in_force_after_it(tmp_path: Path) -> None:
     """Another one may have been sent in it: motors were fitted to a duty that they did not have."""
     recording = record(tmp_path / "run.mcap", Order("mitre_bend"))

@@ -10,6 +10,7 @@ Y = 0.4 + np.sin(2 * X) * np.exp(-(X**2) / 6) + 0.05 * RANDOM.standard_normal(90
 GRID = np.linspace(-3.0, 3.0, 101)
 
 
+@pytest.mark.thorough
 def test_likelihood_and_curve_are_those_of_scikit_learn() -> None:
     judge = pytest.importorskip("sklearn.gaussian_process")
     kernels = judge.kernels

@@ -42,6 +42,7 @@ def test_the_points_of_a_line_do_not_determine_where_it_would_bend() -> None:
     assert fit.interval[0] > fit.parameters[0]
 
 
+@pytest.mark.thorough
 def test_parameters_stay_within_what_the_formula_allows() -> None:
     fit = fit_magic(X, 0.4 * X / 0.2)
     stiffness, shape, peak, curvature = fit.parameters

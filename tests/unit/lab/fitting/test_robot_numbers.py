@@ -217,6 +217,7 @@ ends: {done: {succeed: Slipped}}
 """
 
 
+@pytest.mark.thorough
 def test_friction_is_found_by_the_motors_that_are_found(tmp_path: Path) -> None:
     """A profile whose wheels are a fifth too slow makes the engine's own estimate too small."""
     twin, mission, recording = (tmp_path / name for name in ("t.yaml", "m.yaml", "r.mcap"))

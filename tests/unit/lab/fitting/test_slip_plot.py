@@ -1,8 +1,10 @@
 import numpy as np
+import pytest
 
 from pirate_sm.lab.fitting.slip_curve import fit_slip_curve, slip_plot
 
 
+@pytest.mark.thorough
 def test_both_fits_and_the_band_are_drawn_over_the_points() -> None:
     slip = np.geomspace(1e-4, 0.05, 400)
     friction = 0.3 * np.tanh(slip / 0.001)

@@ -79,6 +79,7 @@ def test_without_a_known_start_it_begins_at_the_last_wheel(found_map: Map) -> No
     assert found.start.at == pytest.approx(0.458, abs=0.002)  # the length of the robot
 
 
+@pytest.mark.thorough
 def test_neither_truth_nor_the_driven_pipe_is_read(recorded: Recording, found_map: Map) -> None:
     # The same recording, of which nothing is left but the robot, what its boards reported, what the
     # detector said, and what the robot was commanded to.
@@ -96,6 +97,7 @@ def test_neither_truth_nor_the_driven_pipe_is_read(recorded: Recording, found_ma
     assert pipe_text(mapped(bare), "found", "x") == pipe_text(found_map, "found", "x")
 
 
+@pytest.mark.thorough
 def test_the_pipe_in_the_recording_makes_no_difference(recorded: Recording, found_map: Map) -> None:
     other = tuple(
         replace(file, text="format: 1\npipe: other\ndiameter: 1 m\nsegments: [{straight: 1 m}]\n")

@@ -91,6 +91,7 @@ def test_a_lens_of_any_angle_is_found_in_pictures_that_opencv_did_not_draw(
     assert turned_deg == pytest.approx(wanted, abs=0.6)
 
 
+@pytest.mark.thorough
 def test_a_board_with_mistaken_corners_is_left_out_by_name() -> None:
     seen = boards(FISHEYE)
     seen["board 3"] = seen["board 3"] + np.random.default_rng(5).normal(0, 4, (54, 2))
@@ -104,6 +105,7 @@ def test_a_board_with_mistaken_corners_is_left_out_by_name() -> None:
     assert result.rms_px == pytest.approx(0.14, abs=0.02)
 
 
+@pytest.mark.thorough
 def test_boards_at_the_edge_are_not_left_out_to_make_a_model_fit() -> None:
     wide = Lens(model="fisheye", f=(170.0, 170.0), centre=(320.0, 240.0), k=(0.02, 0, 0, 0))
 
@@ -124,6 +126,7 @@ def test_boards_in_the_middle_only() -> None:
     assert "of the 9 parts of the picture" in str(result)
 
 
+@pytest.mark.thorough
 def test_boards_of_one_pose() -> None:
     flat = LensModel(BROWN)
     one = [

@@ -40,6 +40,7 @@ def test_of_a_long_run_some_frames_are_kept_all_along(tmp_path, monkeypatch):
     assert all(each.most == 0 for each in result.deviations)
 
 
+@pytest.mark.thorough
 def test_two_seeds_take_one_course_at_their_own_pace(tmp_path):
     one = course(tmp_path, "one", Order("mitre_bend", seed=1))
     other = course(

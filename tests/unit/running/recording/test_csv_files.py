@@ -127,6 +127,7 @@ def test_the_table_has_estimates_that_nothing_read_during_the_run(tables):
     assert sum(force > 5 for force in forces) > len(rows) / 4
 
 
+@pytest.mark.thorough
 def test_places_of_a_robot_in_space_have_three_coordinates_and_rolls(tmp_path):
     pirate_sm.run("turn_left", record=tmp_path / "run.mcap")
     recording = read_recording(tmp_path / "run.mcap")

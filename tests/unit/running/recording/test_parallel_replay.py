@@ -51,6 +51,7 @@ def test_shared_out_the_same_is_found(run):
     assert replay_shared(run, 2) == alone(run)
 
 
+@pytest.mark.thorough
 def test_so_is_a_stretch(run):
     after = run.checkpoint(7.0)
 

@@ -76,6 +76,7 @@ def test_the_simulator_needs_no_numba() -> None:
     assert told(SHORT) == "succeeded"
 
 
+@pytest.mark.thorough
 @built
 def test_without_machine_code_and_numba_it_is_told_what_to_install() -> None:
     assert told(SHORT, PIRATE_SM_JIT="1") == (

@@ -110,6 +110,7 @@ def test_what_a_robot_has_worked_out_is_not_sent(process: CheckProcess) -> None:
     assert "possible_owners" not in process.ask(vars, robot)
 
 
+@pytest.mark.thorough
 def test_a_question_that_kills_the_process_twice_is_an_error(process: CheckProcess) -> None:
     with pytest.raises(RuntimeError, match="ended by itself"):
         process.ask(_kill)

@@ -34,6 +34,7 @@ def titles(found: tuple[StripPicture, ...]) -> list[str]:
     return [each.title for each in found]
 
 
+@pytest.mark.thorough
 def test_each_phase_is_shown_as_it_ends(with_lanes: Callable[..., Report]) -> None:
     found = pictures(with_lanes([phase(0.5, 4.0, "go"), phase(4.0, 6.0, "rest")]))
 

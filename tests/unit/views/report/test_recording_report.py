@@ -59,6 +59,7 @@ def test_what_made_it_fail_is_told_with_its_time_and_phase_and_is_where_one_begi
     assert found.failure.topic == "prepare"
 
 
+@pytest.mark.thorough
 def test_what_led_to_the_failure_is_told_before_it(report: Reports) -> None:
     found = report("twice")
 

@@ -291,6 +291,7 @@ def test_parameters_are_written_into_messages_as_they_were_given(load):
     )
 
 
+@pytest.mark.thorough
 def test_every_shipped_mission_names_its_phases_once():
     for path in sorted((ROOT / "sequences").glob("*.yaml")):
         phases = load_mission(path).program.phases

@@ -103,6 +103,7 @@ def test_gravity_compensation_lasts_until_a_control_ends_it(
     assert {write.assist_nm != 0 for write in driven.values()} == {compensates}
 
 
+@pytest.mark.thorough
 def test_a_fault_of_an_inherited_grip_is_told_once_where_the_grip_stands(tmp_path: Path) -> None:
     folder = with_controls(tmp_path, MORE.replace("at_most: 600 mNm", "at_most: 900 mNm"))
 

@@ -60,6 +60,7 @@ def test_where_friction_sticks_there_is_no_creep(variant: str, noise: str) -> No
     assert error_mm(ran(variant, noise, sticks=True)) <= 5
 
 
+@pytest.mark.thorough
 def test_the_result_does_not_hang_on_the_length_of_a_step() -> None:
     its = setup()
     physics = its.physics.model_copy(update={"step": 5e-6})

@@ -249,7 +249,9 @@ def test_a_reset_while_the_mission_ends_is_waited_for(go: Go) -> None:
 
 # Nothing is heard in the last 0.1 s, while the port is closed, and what was sent before the reset
 # may still arrive: later resets than these cannot be noticed.
-@pytest.mark.parametrize("line", [{}, LOSSY], ids=["clean", "lossy"])
+@pytest.mark.parametrize(
+    "line", [{}, pytest.param(LOSSY, marks=pytest.mark.thorough)], ids=["clean", "lossy"]
+)
 def test_a_reset_just_before_the_port_is_closed_is_noticed(go: Go, line: dict[str, Any]) -> None:
     closed_s = max(r.at_s for r in go(far="0.1 m", **line).bay.records if r.event == "closed")
 

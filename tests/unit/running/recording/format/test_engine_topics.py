@@ -41,7 +41,7 @@ def row_of(topic: Any, made: Any, step: int) -> tuple[Any, ...]:
 
 
 @pytest.mark.parametrize("kind", EVERYTHING, ids=lambda kind: kind.__name__)
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 2)
 @given(data=st.data())
 def test_everything_comes_back_as_it_was(kind: type[Any], data: st.DataObject) -> None:
     made = data.draw(st.lists(st.from_type(kind), min_size=1, max_size=4))

@@ -75,6 +75,7 @@ def chunks_of(whole: bytes) -> list[tuple[int, int]]:
     return found
 
 
+@pytest.mark.thorough
 def test_a_recording_cut_off_anywhere_is_read_up_to_there(whole: bytes, tmp_path: Path) -> None:
     chunks = chunks_of(whole)
     before = 0

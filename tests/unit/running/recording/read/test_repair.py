@@ -326,6 +326,7 @@ def test_without_its_first_piece_times_still_count_from_the_beginning_of_the_run
     assert viewed.starts_s[0] == pytest.approx(first.at_s - marked.origin_s)
 
 
+@pytest.mark.thorough
 def test_without_its_first_piece_the_mission_is_executed_from_the_first_checkpoint_on(
     marked: Recording, tmp_path: Path
 ) -> None:

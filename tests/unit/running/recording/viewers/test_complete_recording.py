@@ -144,6 +144,7 @@ def test_what_a_camera_saw_is_kept_and_handed_on(tmp_path: Path) -> None:
     assert json.loads(next(fast.messages("/camera")).data)["format"] == "jpeg"
 
 
+@pytest.mark.thorough
 def test_a_torn_recording_is_completed_up_to_its_end(tmp_path: Path) -> None:
     path = tmp_path / "fast.mcap"
     record_as_asked(path, Order("mitre_bend"), inf)

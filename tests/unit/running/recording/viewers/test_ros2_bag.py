@@ -131,6 +131,7 @@ def test_the_log_has_the_levels_of_ros(bag: Bag) -> None:
     assert lines[-1][2].startswith("ended succeeded")
 
 
+@pytest.mark.thorough
 def test_a_recording_with_messages_for_viewers_gives_the_same(
     recording: Recording, bag: Bag, tmp_path: Path
 ) -> None:

@@ -70,6 +70,7 @@ def frames(transforms: list[dict[str, Any]]) -> dict[str, Floats]:
     return {name: back @ found for name, found in known.items()}
 
 
+@pytest.mark.thorough
 def test_the_frames_put_every_wheel_where_it_is(shown: dict[str, list[dict[str, Any]]]) -> None:
     assert shown["/tf"]
     for message, places in zip(shown["/tf"], shown["/places"], strict=True):

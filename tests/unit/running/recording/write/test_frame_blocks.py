@@ -151,6 +151,7 @@ def test_samples_within_a_block_are_taken_when_they_are_due(tmp_path: Path) -> N
     assert found == [(pytest.approx(at_s), pytest.approx(x)) for at_s, x in expected]
 
 
+@pytest.mark.thorough
 def test_a_recording_of_blocks_cut_off_anywhere_is_read_up_to_there(tmp_path: Path) -> None:
     loaded, memory = mission(), Memory()
     body = loaded.loaded_robot.profile.body
