@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator, Callable, Coroutine
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from math import inf
 from pathlib import Path
 from threading import Condition
@@ -21,6 +22,7 @@ from pirate_sm.core.robot import states_of
 from pirate_sm.running.runtime.pump import Resuming
 from pirate_sm.running.wiring import Order, Prepared, load, prepare
 from pirate_sm.views.console.app import Console
+from pirate_sm.views.console.availability import look_at_entries
 from pirate_sm.views.console.missions import without_mission
 from pirate_sm.views.console.session import Keep, OperatorSession, unkept
 from pirate_sm.views.showing.snapshot import Snapshot
@@ -154,13 +156,33 @@ class Operator:
         return [f"{each.line.topic} {each.line.text}" for each in self.latest.story.recent]
 
 
+_ENTRIES: dict[tuple[object, ...], Any] = {}
+
+
+def ask_once(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Ask the check, but only once where a mission can start from a given state of the robot.
+
+    Most stories begin with the same mission and robot, and the answer takes a second.
+    """
+    if function is not look_at_entries:
+        return function(*arguments)
+    loaded, body = arguments
+    key = (*loaded.files.items(), *loaded.parameters.items(), loaded.pipe_name, body)
+    if key not in _ENTRIES:
+        _ENTRIES[key] = function(*arguments)
+    return _ENTRIES[key]
+
+
+QUICK = partial(Console, ask_check=ask_once)
+
+
 @asynccontextmanager
 async def operator(
     prepared: Prepared | None = None,
     *,
     size: tuple[int, int] = (160, 48),
     order: Order | None = None,
-    console: Callable[..., Console] = Console,
+    console: Callable[..., Console] = QUICK,
     keep: Keep = unkept,
     resuming: Resuming | None = None,
     then: LoadedMission | None = None,
@@ -184,6 +206,8 @@ async def operator(
             someone.until(lambda: someone.latest.state is not None)
             someone.until(lambda: someone.latest.over or someone.latest.state.look is None)
             yield someone
+            if app.is_running:
+                app.screen._compositor.render_strips()  # what is on it last can be drawn
             clock.free()
             session.quit()
     finally:
@@ -193,6 +217,11 @@ async def operator(
     assert not app.faults
 
 
+@cache
+def mission(name: str) -> LoadedMission:
+    return load(Order(name))
+
+
 def by_hand(order: Order | None = None) -> Prepared:
     order = order or Order("by_hand")
     return prepare(order, without_mission(order))
@@ -200,7 +229,7 @@ def by_hand(order: Order | None = None) -> Prepared:
 
 def with_mission(name: str, backend: str = "sim", **options: Any) -> Prepared:
     order = Order(name, backend=backend, **options)
-    return prepare(order, load(order))
+    return prepare(order, load(order) if options else mission(name))
 
 
 def played(story: Callable[[], Coroutine[Any, Any, None]]) -> None:

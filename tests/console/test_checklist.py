@@ -67,6 +67,7 @@ def test_a_check_that_fails_says_why_and_is_repeated_until_it_is_passed() -> Non
     played(story)
 
 
+@pytest.mark.thorough
 def test_the_list_is_not_shown_once_the_run_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
     async def story() -> None:
         async with operator(over_the_bay()) as me:

@@ -176,6 +176,7 @@ def test_viewers_see_a_later_run_when_it_was(later: Path) -> None:
     assert recording.content.pieces[0].start_ns == began_ns
 
 
+@pytest.mark.thorough
 def test_a_mission_that_is_chosen_is_not_recorded_with_the_options_of_the_one_before(
     runs: Path,
 ) -> None:

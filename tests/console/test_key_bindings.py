@@ -202,6 +202,7 @@ def test_the_stop_key_stops_in_a_dialog_that_nobody_has_read() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_the_help_page_says_what_cannot_be_done_now_and_not_what_could_not_when_it_opened() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 90)) as me:
@@ -225,6 +226,7 @@ def test_the_help_page_says_what_cannot_be_done_now_and_not_what_could_not_when_
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_step_and_a_word_have_signs_where_there_are_no_letters() -> None:
     async def story() -> None:
         prepared = with_mission("mitre_bend", "trace", robot="pirate_ii_imu")

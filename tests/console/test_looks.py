@@ -56,7 +56,11 @@ def test_the_screen_is_as_in_the_documents(size: tuple[int, int]) -> None:
     played(story)
 
 
-@pytest.mark.parametrize("size", [(120, 36), (160, 48)], ids=lambda size: f"{size[0]}x{size[1]}")
+@pytest.mark.parametrize(
+    "size",
+    [(120, 36), pytest.param((160, 48), marks=pytest.mark.thorough)],
+    ids=lambda size: f"{size[0]}x{size[1]}",
+)
 def test_from_this_size_on_everything_is_visible_at_once(size: tuple[int, int]) -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend"), size=size) as me:
@@ -135,6 +139,7 @@ def test_every_page_is_reached_where_there_is_not_room_for_all() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_it_takes_the_room_that_it_is_given() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace"))) as me:

@@ -135,6 +135,7 @@ def test_a_question_is_answered_by_a_number(tmp_path: Path) -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_step_of_a_mission_that_was_stopped_needs_a_phase_first() -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend", backend="trace")) as me:
@@ -159,6 +160,7 @@ def test_a_step_of_a_mission_that_was_stopped_needs_a_phase_first() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_wait_that_was_passed_before_the_stop_is_not_asked_about_as_its_phase_is_done() -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend", backend="trace")) as me:
@@ -197,6 +199,7 @@ ends:
 """
 
 
+@pytest.mark.thorough
 def test_a_mission_that_was_stopped_says_where_and_is_handed_back_there() -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend")) as me:

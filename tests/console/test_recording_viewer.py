@@ -91,7 +91,7 @@ def test_only_moments_that_are_looked_at_are_made(both, monkeypatch):
     assert 0 < few < made / 3
 
 
-@pytest.mark.parametrize("size", [(80, 24), (160, 48)])
+@pytest.mark.parametrize("size", [(80, 24), pytest.param((160, 48), marks=pytest.mark.thorough)])
 def test_a_person_scrubs_back_and_forth(reel, size):
     async def scrub():
         viewer = RecordingViewer(reel, "bend.mcap")
@@ -155,6 +155,7 @@ def text_of(app):
     )
 
 
+@pytest.mark.thorough
 def test_playing_ends_at_the_end_and_begins_again(reel):
     async def play():
         viewer = RecordingViewer(reel, "bend.mcap")

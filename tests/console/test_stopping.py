@@ -6,12 +6,14 @@ import io
 import os
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import product
 from signal import SIGHUP, SIGINT, SIGTERM
 from threading import Event as Flag
 from threading import Thread
 from typing import Any
 
 import pytest
+from representative import thorough_but
 from textual.drivers._writer_thread import WriterThread
 from textual.events import Key
 from textual.widget import Widget
@@ -124,8 +126,13 @@ async def by_a_fault(me: Operator) -> None:
 STOPS: list[Stops] = [by_key, by_the_key_of_a_terminal, by_a_panel, by_a_fault]
 
 
-@pytest.mark.parametrize("looks", [False, True])
-@pytest.mark.parametrize("stops", STOPS)
+SOON_AND_LATER = list(product(STOPS, [False, True]))
+
+
+@pytest.mark.parametrize(
+    ("stops", "looks"),
+    thorough_but([*product(STOPS, [False]), (by_a_fault, True)], SOON_AND_LATER),
+)
 def test_a_question_about_a_motion_is_not_open_after_the_stop(stops: Stops, looks: bool) -> None:
     async def story() -> None:
         async with operator(confirming(trace(), "a robot is about to move"), size=SMALL) as me:
@@ -149,8 +156,10 @@ def test_a_question_about_a_motion_is_not_open_after_the_stop(stops: Stops, look
     played(story)
 
 
-@pytest.mark.parametrize("looks", [False, True])
-@pytest.mark.parametrize("stops", STOPS[1:])
+@pytest.mark.parametrize(
+    ("stops", "looks"),
+    thorough_but([(by_the_key_of_a_terminal, False), (by_a_fault, True)], SOON_AND_LATER[2:]),
+)
 def test_the_list_of_phases_is_not_open_after_the_stop(stops: Stops, looks: bool) -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend", "trace"), size=SMALL) as me:
@@ -379,7 +388,9 @@ def test_a_crash_in_a_widget_ends_in_the_safe_state() -> None:
     assert sent
 
 
-@pytest.mark.parametrize("number", BY_SIGNAL, ids=lambda number: number.name)
+@pytest.mark.parametrize(
+    "number", thorough_but([SIGTERM, SIGHUP], BY_SIGNAL), ids=lambda number: number.name
+)
 def test_a_signal_ends_the_session_in_the_safe_state(number) -> None:
     async def story() -> None:
         async with operator(trace(), size=SMALL) as me:
