@@ -6,6 +6,7 @@ from math import inf, isnan, nan
 from types import SimpleNamespace
 
 import pytest
+from representative import thorough_but
 from textual.events import AppBlur
 from textual.widgets import Static
 
@@ -86,7 +87,7 @@ def test_a_drive_whose_repeats_are_lost_brakes_and_the_next_repeat_drives_again(
     played(story)
 
 
-@pytest.mark.parametrize("stop", ["left", "space"])
+@pytest.mark.parametrize("stop", thorough_but(["space"], ["left", "space"]))
 def test_a_drive_that_was_stopped_otherwise_can_be_driven_again_by_its_key(stop: str) -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace"))) as me:

@@ -20,6 +20,7 @@ from .seeding import HERE, ROOT, copied, put
 
 SHIPPED = {path.stem: path for path in library.missions()}
 NAMES = thorough_but(MISSIONS, SHIPPED)
+FEW = thorough_but({"mitre_bend", "take_branch", "level"}, SHIPPED)
 HARMLESS = ("{log: Here}", "{command: ToggleLighting, if: detector == close}")
 ROBOT = re.compile(r"^robot: pirate_ii\w*\n", re.MULTILINE)
 START = re.compile(r"^(start: \{.*?m)(?:, roll: (-?[\d.]+) deg)?\}", re.MULTILINE)
@@ -63,7 +64,7 @@ def test_examples_and_the_second_robot_are_clean(monkeypatch: pytest.MonkeyPatch
         assert shown(path) == []
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", FEW)
 def test_a_mission_in_the_other_polarity_fits_a_pipe_to_the_other_side(
     name: str, here: Path
 ) -> None:
@@ -89,7 +90,7 @@ def test_missions_fit_other_pipes_of_their_kind(diameter: str, here: Path) -> No
 
 
 @pytest.mark.parametrize("limit", thorough_but(["max"], ["min", "max"]))
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", FEW)
 def test_parameters_may_have_any_value_within_their_limits(name: str, limit: str) -> None:
     parameters = yaml.safe_load(SHIPPED[name].read_text("utf-8")).get("parameters", {})
     settings = {key: str(each[limit]) for key, each in parameters.items() if limit in each}

@@ -59,6 +59,7 @@ def test_a_terminal_that_knows_lines_only_gets_lines_only(command: tuple[str, ..
     assert shown.strip()
 
 
+@pytest.mark.thorough
 def test_the_console_says_what_a_terminal_lacks() -> None:
     code, shown = on_a_terminal(*CONSOLE, TERM="dumb")
     assert code == 2

@@ -62,6 +62,7 @@ def test_panels_and_devices_are_listed(pirate: Run, monkeypatch: pytest.MonkeyPa
     assert "nanokontrol2  Korg" in pirate("list", "panels").output
 
 
+@pytest.mark.thorough
 def test_each_control_is_shown_as_it_is_moved(midi: Any) -> None:
     play(midi, RED)
     midi.send(bytes([0xB9, 1, 33]))

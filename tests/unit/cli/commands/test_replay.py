@@ -224,6 +224,7 @@ def test_a_file_is_not_repaired_where_nothing_could_use_it(
     assert not Path("torn.repaired.mcap").exists()
 
 
+@pytest.mark.thorough
 def test_of_a_run_whose_end_is_there_nothing_is_said_that_nobody_knows(
     pirate: Any, run: Path, recorded: bytes
 ) -> None:

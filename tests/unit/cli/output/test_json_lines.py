@@ -52,6 +52,7 @@ def test_every_line_holds_to_the_schema(
     assert [line["type"] for line in lines].index("end") == len(lines) - 1
 
 
+@pytest.mark.thorough
 def test_a_failed_command_has_the_limits_that_it_awaited(pirate_run: Any) -> None:
     result = pirate_run("mitre_bend", "--defect", "gamma_2_sticks_at_zero", "--json")
     failed = [line for line in map(json.loads, result.stdout.splitlines()) if "unmet" in line]

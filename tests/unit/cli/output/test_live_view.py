@@ -134,6 +134,7 @@ def test_a_narrow_terminal_shows_the_words_alone_and_cuts_only_what_is_too_long(
     assert not any(line.strip() == "…" or line.endswith("  …") for line in words)
 
 
+@pytest.mark.thorough
 def test_every_motor_is_measured_where_there_is_room() -> None:
     frame = Frames((120, 35), mission=str(NEWT / "patrol.yaml"), backend="sim").frames[-1]
 

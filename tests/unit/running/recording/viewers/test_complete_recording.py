@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from recording_runs import ROOT, record_as_asked, record_with_viewers
+from representative import thorough_but
 
 from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.events import Sighting
@@ -35,7 +36,7 @@ RUNS = {
 }
 
 
-@pytest.fixture(scope="module", params=RUNS)
+@pytest.fixture(scope="module", params=thorough_but({"sim", "another robot"}, RUNS))
 def runs(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> dict[str, Recording]:
