@@ -47,8 +47,8 @@ NEAR_M = 0.001
 """A wheel that is farther from its wall than this does not touch it."""
 
 DRIVE_ERROR_NM = 0.015
-"""By how much the torque of a driven wheel may differ from what the physics shows: it accelerates.
-A share of 0.05 of the stall torque, as signals have it."""
+"""By how much the torque of a driven wheel may differ from that of the force along the wall, which
+the physics shows: it accelerates. It is 0.05 of the stall torque, as it is for signals."""
 
 
 def main() -> int:
@@ -157,8 +157,8 @@ def forces(
         if section == "round"
         else ((0.0, 0.0, 1.0),) * 2
     )
-    arcs, drives, bends = (
-        world.quantities[layout.block(each)].tolist() for each in ("arc", "drive", "bend_torque")
+    arcs, grips, bends = (
+        world.quantities[layout.block(each)].tolist() for each in ("arc", "grip", "bend_torque")
     )
     touches, masses_kg = [], [wheel.mass_kg for wheel in chain.wheels]
     for at, link in enumerate(chain.links):
@@ -174,7 +174,7 @@ def forces(
         side = dot(inward, crossed(hinge, frame.ahead))
         rolls = scaled(-1.0 if side > 0 else 1.0, _unit(crossed(hinge, inward)))
         # A wheel on side A drives ahead as it turns towards side A.
-        drive_n = drives[at] * (-1.0 if side > 0 else 1.0) / radius_m
+        drive_n = grips[at] * (-1.0 if side > 0 else 1.0)
         braked = world.duties[n + at] == 0.0
         hold_nm = wheel.hold_nm if brake_nm is None else brake_nm
         doubt_n = (hold_nm if braked else DRIVE_ERROR_NM) / radius_m
