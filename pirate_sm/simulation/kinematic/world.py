@@ -15,6 +15,7 @@ from pirate_sm.core.options import USUAL, Fidelity
 from pirate_sm.simulation import digitizing
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.kinematic import columns, kernel
+from pirate_sm.simulation.kinematic.settling import SETTLING_S, settle
 from pirate_sm.simulation.machine_code import is_kept, own_call
 from pirate_sm.simulation.physics import ChainBody, JointBody, Physics, StartPose
 
@@ -142,6 +143,8 @@ class ChainWorld:
 
     _columns: ModuleType
     _functions: ModuleType
+    _gravity: Floats
+    quantities: Floats
 
     def __init__(self, chain: ChainBody, friction: Friction, cycle_s: float) -> None:
         self.body: Floats = body_array(chain, friction)
@@ -165,19 +168,28 @@ class ChainWorld:
         world[columns.ROLL_STALL] = chain.roll_stall_nm
         world[columns.MAG_X : columns.MAG_Z + 1] = field_ut
 
-    def _start(self, centres: Floats, *arrays: Any) -> None:
-        """Fill in the quantities of the start pose, in hardly any time.
+    def _start(self, pose: StartPose, centres: Floats, *arrays: Any) -> None:
+        """Fill in the quantities of the start pose: those of a step that is taken back.
 
         Args:
+            pose: The pose; of a robot that begins a run, its clamps settle first.
             centres: Those of the wheels, in the first of the arrays.
             arrays: What the kernel takes before the number of steps.
         """
         self._chain, self._centres = (*arrays, self._steps), centres
         self._glide = own_call(self._functions.glide)
         self._pass_cycles = own_call(self._functions.pass_cycles)
+        state = arrays[0]
+        if any(pose.motors_rad) and not pose.rolls_rad:
+            cycles = round(SETTLING_S / STEP_S / self._steps)
+            settle(self.advance, cycles, self._columns, state, self.body, self._gravity)
+        before = state.copy()
         self._world[self._columns.FELT] = 1.0
         self._functions.advance(*arrays, 1)
         self._world[self._columns.FELT] = self._felt
+        state[:] = before
+        n = len(self.body)
+        self.quantities[3 * n : 5 * n] = 0.0  # the wheels have not turned yet
 
     def advance(self) -> None:
         """Simulate one cycle."""
@@ -305,7 +317,9 @@ class World(ChainWorld):
         self.state.bend[:] = pose.bends_rad
         self.state.motor[:] = pose.motors_rad
         self.state.roll[:] = pose.rolls_rad or (0.0, pose.roll_rad, pose.roll_rad)
+        self._gravity = self._legs[:, columns.L_GT :]
         self._start(
+            pose,
             *(self.state.array[: 2 * n], self.state.array, self.duties, self.body),
             *(wall_rows(route), self._legs, self._world, self.quantities),
             *kernel.scratch_arrays(n),
@@ -336,7 +350,7 @@ class World(ChainWorld):
 
     def turn_gravity(self, up: Vector) -> None:
         """Let gravity pull against this unit vector from now on."""
-        self._legs[:, columns.L_GT :] = [gravity_along(piece, up) for piece in self._route.pieces]
+        self._gravity[:] = [gravity_along(piece, up) for piece in self._route.pieces]
 
 
 # --- the physics for a pipe ----------------------------------------------------------------------

@@ -109,11 +109,13 @@ class SpaceWorld(ChainWorld):
         self._route = route
         self._fill(chain, EFFORTS[fidelity], _FIELD_UT)
         link = self._fill_roll_joint(chain)
+        self._gravity = self._world[columns.G_X : columns.G_Z + 1]
         self.turn_gravity(route.up)
         places = pose.places if pose.rolls_rad else lying(pose, chain, route)
         self.state.take(pose, places, normals_of(pose, route, link))
         shape = shape_of(route)
         self._start(
+            pose,
             *(self.state.array[: 3 * n], self.state.array, self.duties, self.body, *shape),
             *(self._world, self.quantities),
             *kernel.scratch_arrays(n, len(shape.solids), len(shape.edges)),
@@ -162,7 +164,7 @@ class SpaceWorld(ChainWorld):
 
     def turn_gravity(self, up: Vector) -> None:
         """Let gravity pull against this unit vector from now on."""
-        self._world[columns.G_X : columns.G_Z + 1] = [-GRAVITY_M_S2 * each for each in up]
+        self._gravity[:] = [-GRAVITY_M_S2 * each for each in up]
 
 
 def _roll_inertia(chain: ChainBody, first: int, last: int) -> float:
