@@ -1,17 +1,21 @@
 """Does `pirate fit --robot` find the numbers of a robot that it does not know?
 
-    python -m benchmarks.twin [--seeds 6] [--times 26] [--workers 2]
+    python -m benchmarks.twin [--seeds 6] [--times 26] [--workers 2] [--predict [--robots 32]]
 
 Each seed draws the motors and the friction of a simulated robot, which its profile assumes
 otherwise. The robot records ten minutes (`benchmarks/twin.yaml`), with a ruler that measures its
 speed from outside. Then the recording alone is fitted. Printed are the true number, the estimate,
 its error, and its 95 % interval, with a `!` where that does not hold the true number.
+
+With `--predict` the first half of each recording is fitted, and robots of its sample predict the
+second half. Printed is how many of the recorded values the 90 % bands hold.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -23,6 +27,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from pirate_sm.api.result import Run
     from pirate_sm.lab.fitting.robot_numbers import RobotNumber
 
 MISSION = Path(__file__).with_name("twin.yaml")
@@ -48,6 +53,9 @@ NEEDED = {
 
 MOST_ERROR = 0.10
 
+BAND_OFF = 0.05
+"""So far the share of values that bands hold may be off."""
+
 
 @dataclass(frozen=True)
 class Trial:
@@ -67,7 +75,11 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--times", type=int, default=TIMES, help="rounds of at least 24 s")
     parser.add_argument("--workers", type=int, help="processes; all processors by default")
+    parser.add_argument("--predict", action="store_true", help="check bands of the second half")
+    parser.add_argument("--robots", type=int, default=32, help="of the sample, with --predict")
     wishes = parser.parse_args()
+    if wishes.predict:
+        return _check_bands(wishes.seeds, wishes.times, wishes.robots, wishes.workers)
     with (
         TemporaryDirectory() as folder,
         ProcessPoolExecutor(wishes.workers, mp_context=get_context("spawn")) as pool,
@@ -81,16 +93,11 @@ def main() -> int:
 
 def try_out(folder: Path, times: int, seed: int) -> Trial:
     """Record the robot of this seed in a folder, and fit its numbers."""
-    import pirate_sm
     from pirate_sm.lab.fitting.measurements import read_measured
     from pirate_sm.lab.fitting.robot_numbers import robot_numbers
 
     true = drawn(seed)
-    twin, recording = folder / f"true_{seed}.yaml", folder / f"run_{seed}.mcap"
-    twin.write_text(_twin_text(true), "utf-8")
-    run = pirate_sm.run(
-        str(MISSION), seed=seed, twin=str(twin), ruler=True, record=recording, set={"times": times}
-    )
+    run, recording = _recorded(folder, times, seed)
     measured = read_measured(recording)
     minutes = float(measured.columns["time_s"][-1]) / 60
     rows = tuple(
@@ -98,6 +105,39 @@ def try_out(folder: Path, times: int, seed: int) -> Trial:
         for number in robot_numbers([measured])
     )
     return Trial(seed, f"{run.outcome}: {run.message}", minutes, rows)
+
+
+def _recorded(folder: Path, times: int, seed: int) -> tuple[Run, Path]:
+    """Record the robot of this seed in a folder."""
+    import pirate_sm
+
+    twin, recording = folder / f"true_{seed}.yaml", folder / f"run_{seed}.mcap"
+    twin.write_text(_twin_text(drawn(seed)), "utf-8")
+    run = pirate_sm.run(
+        str(MISSION), seed=seed, twin=str(twin), ruler=True, record=recording, set={"times": times}
+    )
+    return run, recording
+
+
+def _check_bands(seeds: int, times: int, robots: int, workers: int | None) -> int:
+    """Print how many values bands hold; return 1 unless it is the share that they are to hold."""
+    from pirate_sm.lab.fitting.prediction import SHARE, coverage, predict
+
+    total = Counter[str]()
+    with TemporaryDirectory() as folder:
+        for seed in range(seeds):
+            _, recording = _recorded(Path(folder), times, seed)
+            found = coverage(predict(recording, robots, workers, lambda share: None))
+            for kind, (held, of) in found.items():
+                total[kind], total[f"all {kind}"] = total[kind] + held, total[f"all {kind}"] + of
+            shown = (f"{kind} {held} of {of}" for kind, (held, of) in found.items())
+            print(f"seed {seed}: {', '.join(shown)}", flush=True)
+    held, of = (sum(total[f"{all_}{kind}"] for kind in found) for all_ in ("", "all "))
+    for kind in found:
+        print(f"    {kind:<10} {total[kind]} of {total[f'all {kind}']}")
+    share = held / of if of else 0.0
+    print(f"    all        {held} of {of}: {share:.1%}, {SHARE:.0%} ± {BAND_OFF:.0%} is asked for")
+    return 0 if abs(share - SHARE) <= BAND_OFF else 1
 
 
 def drawn(seed: int) -> dict[tuple[str, str], float]:

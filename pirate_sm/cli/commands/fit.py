@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Sequence
 from math import isnan
 from pathlib import Path
@@ -41,6 +42,8 @@ if TYPE_CHECKING:
 NOTHING = 1
 
 
+_PREDICTED_HEADER = ("kind", "board", "command", "place", "nth", "from_s", "low", "high",
+                     "recorded", "held")  # fmt: skip
 _ROBOT_HEADER = ("motor", "number", "unit", "value", "low", "high", "reason")
 
 
@@ -52,6 +55,8 @@ def run_fit(options: FitOptions) -> int:
         UsageError: A signal is missing, an option does not fit, or a file cannot be written.
     """
     _refuse_losses(options)
+    if options.predict:
+        return _predict(options)
     if options.robot:
         return _fit_robot(_measured(options.runs), options)
     curves = _curves(options)
@@ -82,7 +87,7 @@ def _refuse_losses(options: FitOptions) -> None:
     """Refuse to write over other files; a pipe file is changed in place, which is meant."""
     runs = list(map(Path, options.runs))
     places = [each for each in (options.output, options.csv) if each]
-    tables = [csv_line(_HEADER), csv_line(_ROBOT_HEADER)]
+    tables = [csv_line(_HEADER), csv_line(_ROBOT_HEADER), csv_line(_PREDICTED_HEADER)]
     if options.write is not None and options.robot:
         places.append(options.write)
     elif options.write is not None:
@@ -219,6 +224,40 @@ def _fit_robot(measured: Sequence[MeasuredFile], options: FitOptions) -> int:
         source = ", ".join(Path(run).name for run in options.runs)
         write_and_name(options.write, twin_text(profile, numbers, source))
     return 0 if any(each.estimate.known for each in numbers) else NOTHING
+
+
+def _predict(options: FitOptions) -> int:
+    """Print which bands hold what was recorded in the second half; return the exit code.
+
+    Raises:
+        RecordingError: The recording cannot be read.
+        UsageError: The options do not fit, or no robot can run the mission.
+    """
+    if not options.robot or len(options.runs) != 1 or options.write or options.output:
+        raise UsageError("--predict goes with --robot and one recording, without --write and -o")
+    from pirate_sm.lab.fitting.prediction import SHARE, UNITS, coverage, predict
+
+    with progress("simulating") as watch:
+        found = predict(Path(options.runs[0]), options.robots, options.workers, watch)
+    rows = [(*each.quantity, each.from_s, each.low, each.high, each.recorded, each.held)
+            for each in found]  # fmt: skip
+    if options.csv:
+        write_csv(options.csv, _PREDICTED_HEADER, rows)
+    counts = coverage(found)
+    if options.format == "json":
+        shares = {kind: {"held": held, "of": of} for kind, (held, of) in counts.items()}
+        listed = [dict(zip(_PREDICTED_HEADER, row, strict=True)) for row in rows]
+        print(json.dumps({"format": 1, "share": SHARE, "kinds": shares, "predicted": listed}))
+        return 0 if found else NOTHING
+    for each in found:
+        kind, board, command, *_ = each.quantity
+        what = f"{command}, {kind}{f' of board {board}' if board else ''}"
+        band = f"[{each.low:.3g}, {each.high:.3g}] {UNITS[kind]}"
+        missed = "" if each.held else " !"
+        print(visible(f"{each.from_s:8.1f} s  {what:<36} {band:<26} {each.recorded:.3g}{missed}"))
+    for kind, (held, of) in counts.items():
+        print(f"{kind:<9} {held} of {of} in the {SHARE:.0%} band")
+    return 0 if found else NOTHING
 
 
 def _one_robot(profiles: list[Profile | None]) -> Profile:

@@ -57,6 +57,14 @@ class FitOptions(CommandOptions):
         "OUT.html", candidates.files, "A page with plots.", "--output", "-o"
     )
     csv: Path | None = option("OUT.csv", candidates.files, "A table of what was found.")
+    predict: bool = flag(
+        "With --robot: fit the first half of a recording and predict the second.", "--predict"
+    )
+    robots: int = typed("Robots that predict.", min=19, max=200, default=64)
+    workers: int | None = typed("Processes that simulate; one each processor.", min=1, metavar="N")
+    format: Literal["text", "json"] = typed(
+        "What --predict writes to standard output.", "--format", default="text"
+    )
     overwrite: bool = common.overwrite()
 
 

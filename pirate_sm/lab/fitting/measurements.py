@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import TextIOWrapper
-from math import isnan, nan
+from math import inf, isnan, nan
 from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
@@ -27,10 +28,27 @@ from pirate_sm.simulation.arrays import Floats
 # --- columns -------------------------------------------------------------------------------------
 
 
-_SETPOINTS = "setpoints"
+_SETPOINTS, _COMMANDS = "setpoints", "commands"
 
 Columns = Mapping[str, Floats]
 """Columns of a table; all are of one length, and an unknown value is NaN."""
+
+
+class SentCommand(NamedTuple):
+    """A command that the mission gave.
+
+    Attributes:
+        name: Its name; ``place`` in the mission's file.
+        nth: How often it had been given at this place before.
+        from_s: When it was sent.
+        until_s: When the next one was sent, or the recording ended.
+    """
+
+    name: str
+    place: str
+    nth: int
+    from_s: float
+    until_s: float
 
 
 class MeasuredFile(NamedTuple):
@@ -41,12 +59,35 @@ class MeasuredFile(NamedTuple):
         setpoints: Setpoints by the names of their slots; empty for a table.
         profile: Of the robot that was recorded; None for a table.
         recording: The file, if it is a recording.
+        commands: What its mission commanded, in order.
+        until_s: What is used of it.
     """
 
     columns: Columns
     setpoints: Columns = {}  # noqa: RUF012 - nothing writes to it
     profile: Profile | None = None
     recording: Path | None = None
+    commands: tuple[SentCommand, ...] = ()
+    until_s: float = inf
+
+    def before(self, until_s: float) -> MeasuredFile:
+        """Return what was measured up to a time."""
+        return self._replace(
+            columns=_until(self.columns, until_s),
+            setpoints=_until(self.setpoints, until_s),
+            until_s=until_s,
+        )
+
+    def with_columns(self, columns: Columns) -> MeasuredFile:
+        """Return this with other signals of the same recording."""
+        return self._replace(columns=_until(columns, self.until_s))
+
+
+def _until(columns: Columns, until_s: float) -> Columns:
+    if not columns:
+        return columns
+    kept = columns[TIME] <= until_s
+    return {name: values[kept] for name, values in columns.items()}
 
 
 def read_measured(path: Path) -> MeasuredFile:
@@ -88,6 +129,7 @@ def _recorded(path: Path) -> MeasuredFile:
     recording = read_recording(path)
     rows: list[tuple[float, ...]] = []
     sent: list[tuple[float, ...]] = []
+    commands: list[tuple[float, str, str]] = []
     with recorded_mission(recording.header) as loaded:
         robot, profile = loaded.robot, loaded.loaded_robot.profile
         again = rerun(recording, loaded, every_signal=True)
@@ -97,13 +139,27 @@ def _recorded(path: Path) -> MeasuredFile:
                 rows.append(row.values)
             elif row.table == _SETPOINTS:
                 sent.append((row.values[0], *row.values[2:]))
+            elif row.table == _COMMANDS and row.values[2] == "sent":
+                commands.append((row.values[0], row.values[1], row.values[4]))
     if not rows:
         raise UsageError(f"{path} holds no frame of a sensor: nothing can be fitted")
     sent += [(gap.from_s, *unknown) for gap in recording.gaps]  # others may have been sent in it
     sent.sort(key=itemgetter(0))
     signals = _named((TIME, *robot.vocabulary.numbers), rows)
     slots = (TIME, *(slot.name for slot in robot.slots))
-    return MeasuredFile(signals, _named(slots, sent) if sent else {}, profile, path)
+    setpoints = _named(slots, sent) if sent else {}
+    given = tuple(_given(commands, float(signals[TIME][-1])))
+    return MeasuredFile(signals, setpoints, profile, path, given)
+
+
+def _given(sent: Sequence[tuple[float, str, str]], end_s: float) -> Iterator[SentCommand]:
+    """Yield the commands of a run by when each was sent."""
+    times = [at_s for at_s, _, _ in sent] + [end_s]
+    seen = Counter[tuple[str, str]]()
+    for (from_s, *which), until_s in zip(sent, times[1:], strict=True):
+        name, place = which
+        yield SentCommand(name, place, seen[name, place], from_s, until_s)
+        seen[name, place] += 1
 
 
 def _named(names: Sequence[str], rows: Sequence[tuple[float, ...]]) -> Columns:

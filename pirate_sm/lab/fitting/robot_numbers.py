@@ -84,7 +84,7 @@ def intervals_of(
 def _of_slot(
     measured: MeasuredFile, profile: Profile, slot: Slot, motor: Motor
 ) -> Intervals | None:
-    signals = _signals(profile, slot)
+    signals = load_signals(profile, slot)
     if signals is None or slot.name not in measured.setpoints:
         return None
     angle_name, load_name, scale = signals
@@ -129,7 +129,7 @@ def _means(load: Floats, spans: Floats, good: NDArray[np.bool_]) -> Floats:
     return means
 
 
-def _signals(profile: Profile, slot: Slot) -> tuple[str, str, float] | None:
+def load_signals(profile: Profile, slot: Slot) -> tuple[str, str, float] | None:
     """Return the signals with angle and load of a slot's motor, and Nm per unit of the load."""
     if slot.wheel is not None:
         wheel = next(each for each in profile.body.wheels if each.name == slot.wheel)
@@ -276,7 +276,7 @@ def _with_motors(
         for name, motor in profile.motors.items()
     }
     columns = signals_with(measured.recording, motors)
-    return measured if columns is None else measured._replace(columns=columns)
+    return measured if columns is None else measured.with_columns(columns)
 
 
 def _shows_friction(columns: Columns) -> bool:

@@ -18,8 +18,9 @@ from pirate_sm.simulation.arrays import Floats
 ROBOTS = 64
 """Robots of a sample."""
 
-_ASSUMED_WITHIN = 2.0
-"""A number that no recording shows lies within this factor of what the profile says [assumed]."""
+_ASSUMED_WITHIN = 4.0
+"""A number that no recording shows lies within this factor of what the profile says [assumed; the
+four joints of the thesis bore 0.159 to 1.92 Nm where 1.01 were expected]."""
 
 
 def sample_of(profile: Profile, numbers: Sequence[RobotNumber], robots: int) -> RobotSample:

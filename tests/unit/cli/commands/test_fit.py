@@ -83,6 +83,18 @@ def test_a_robot_is_not_estimated_from_a_table(pirate: Any, table: Path) -> None
     assert "a table does not say what the robot was commanded" in told.output
 
 
+@pytest.mark.parametrize(
+    "options", [("--predict",), ("--robot", "--predict", "--write", "twin.yaml")]
+)
+def test_a_prediction_goes_with_one_recording_of_a_robot(
+    pirate: Any, table: Path, options: tuple[str, ...]
+) -> None:
+    told = pirate("fit", table, *options)
+
+    assert told.exit_code == 2
+    assert "--predict goes with --robot and one recording" in told.output
+
+
 def test_only_a_simulated_robot_takes_the_numbers_of_a_twin(
     pirate_run: Any, tmp_path: Path
 ) -> None:

@@ -1,0 +1,126 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pirate_sm
+from pirate_sm.core.errors import UsageError
+from pirate_sm.lab.fitting.measurements import MeasuredFile, read_measured
+from pirate_sm.lab.fitting.prediction import (
+    DURATION,
+    LOAD,
+    SLIP,
+    CommandValue,
+    Predicted,
+    coverage,
+    in_processes,
+    predict,
+    quantities,
+)
+
+MISSION = """
+format: 1
+mission: back_and_forth
+robot: pirate_ii
+pipe: {diameter: 113 mm, segments: [{straight: 8 m}], start: {at: 4 m}}
+start: move
+phases:
+  move:
+    do:
+      - ClampFront
+      - ClampRear
+      - DriveForward
+      - wait: [{after: 2 s}]
+      - Brake
+      - RelaxRear
+      - ClampRear
+      - DriveBackward
+      - wait: [{after: 2 s}]
+      - Brake
+    go: done
+ends: {done: {succeed: There and back}}
+"""
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("prediction")
+    (folder / "mission.yaml").write_text(MISSION)
+    file = folder / "run.mcap"
+    pirate_sm.run(str(folder / "mission.yaml"), ruler=True, record=file)
+    return file
+
+
+@pytest.fixture(scope="module")
+def measured(recording: Path) -> MeasuredFile:
+    return read_measured(recording)
+
+
+def test_each_command_lasts_until_the_next_one_is_sent(measured: MeasuredFile) -> None:
+    given = measured.commands
+
+    assert [each.name for each in given] == [
+        "ClampFront", "ClampRear", "DriveForward", "Brake", "RelaxRear", "ClampRear",
+        "DriveBackward", "Brake",
+    ]  # fmt: skip
+    assert [each.until_s for each in given[:-1]] == [each.from_s for each in given[1:]]
+    assert {each.nth for each in given} == {0}
+    assert len({(each.name, each.place) for each in given}) == len(given)
+
+
+def test_duration_load_and_slip_of_each_command_are_known(measured: MeasuredFile) -> None:
+    known = quantities(measured)
+
+    drive = next(each for each in measured.commands if each.name == "DriveForward")
+    of_drive = {q: value for q, value in known.items() if q.command == "DriveForward"}
+    assert next(v for q, v in of_drive.items() if q.kind == DURATION) == pytest.approx(
+        drive.until_s - drive.from_s
+    )
+    assert next(v for q, v in of_drive.items() if q.kind == SLIP) >= 0
+    assert sum(np.isfinite(v) for q, v in of_drive.items() if q.kind == LOAD) == 6
+
+
+def test_what_was_measured_before_a_time_is_cut_there(measured: MeasuredFile) -> None:
+    before = measured.before(5.0)
+
+    assert 4.5 < before.columns["time_s"][-1] <= 5.0
+    assert before.setpoints["time_s"][-1] <= 5.0
+    assert before.with_columns(measured.columns).columns["time_s"][-1] <= 5.0
+
+
+def test_coverage_counts_what_lies_in_its_band() -> None:
+    quantity = CommandValue(SLIP, "", "DriveForward", "m.yaml:1:1", 0)
+    found = [Predicted(quantity, 5.0, 1.0, 2.0, value) for value in (0.9, 1.0, 1.5, 2.1)]
+
+    assert coverage(found) == {DURATION: (0, 0), LOAD: (0, 0), SLIP: (2, 4)}
+
+
+def test_a_band_is_widened_about_its_middle_and_not_below_zero() -> None:
+    band = Predicted(CommandValue(SLIP, "", "DriveForward", "m.yaml:1:1", 0), 5.0, 1.0, 3.0, 4.0)
+
+    assert band.off == pytest.approx(2.0)
+    assert (band.widened(1.5).low, band.widened(1.5).high) == (0.5, 3.5)
+    assert band.widened(4).low == 0
+    assert band.widened(band.off).held
+
+
+def test_processes_return_results_in_order() -> None:
+    assert list(in_processes(abs, [-1, 2, -3], 2, lambda share: None)) == [1, 2, 3]
+
+
+def test_a_table_predicts_nothing(tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_text("time_s,a\n0,1\n1,2\n")
+
+    with pytest.raises(UsageError, match="a table does not say"):
+        predict(tmp_path / "table.csv", 19, 1, lambda share: None)
+
+
+@pytest.mark.thorough
+def test_the_second_half_is_predicted_by_the_robots_of_the_first(recording: Path) -> None:
+    found = predict(recording, 19, 2, lambda share: None)
+
+    held, of = (sum(column) for column in zip(*coverage(found).values(), strict=True))
+    assert of > 15
+    assert held / of > 0.7
+    middle_s = read_measured(recording).columns["time_s"][-1] / 2
+    assert all(each.from_s > middle_s and each.low < each.high for each in found)
