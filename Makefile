@@ -165,8 +165,8 @@ learning: $(VENV)/.ready-learning
 physics: $(VENV)/.ready-physics
 	$(BIN)/python -m benchmarks.physics
 	$(BIN)/python -m benchmarks.physics_properties
-	$(BIN)/python -m benchmarks.physics_agreement
 	$(BIN)/pirate campaign campaigns/bend_physics.yaml --resume
+	$(BIN)/python -m benchmarks.physics_agreement
 
 vision: $(VENV)/.ready-vision
 	$(BIN)/python -m benchmarks.vision
