@@ -13,6 +13,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from math import sqrt
+from typing import Any
 
 from pirate_sm.core import library
 from pirate_sm.core._geometry.force_intervals import (
@@ -59,7 +60,7 @@ def main() -> int:
     sections: tuple[Section, ...] = ("bars", "round")
     for brake_nm in BRAKES_NM:
         found = [
-            forces(put(chain, section), chain, section, brake_nm=brake_nm)[-1]
+            forces(_between_rigid_walls(chain, section), chain, section, brake_nm=brake_nm)[-1]
             for section in sections
         ]
         cells = "     ".join(f"{each.least_n:5.1f} to {each.greatest_n:5.1f} N" for each in found)
@@ -69,6 +70,17 @@ def main() -> int:
         sums = [sum(_pressed(chain, section, history)) for section in sections]
         print(f"    {name:24} {sums[0]:5.1f} N              {sums[1]:5.1f} N")
     return 0
+
+
+def _between_rigid_walls(chain: ChainBody, section: Section) -> Any:
+    """Return a world whose wheels just touch the walls, with the torques of the joints."""
+    world: Any = put(chain, section)
+    places = stand(chain, route_of(section), 1.5, CLAMPED).places
+    world.state.position[:] = [place[: world.state.position.shape[1]] for place in places]
+    for wheel, duty in CLAMPED.items():
+        torque = QuantityLayout(chain.nodes).at("bend_torque", wheel)
+        world.quantities[torque] = duty * chain.joints[wheel].stall_nm
+    return world
 
 
 def _pressed(

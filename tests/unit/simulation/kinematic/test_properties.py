@@ -165,12 +165,12 @@ def test_a_robot_that_is_turned_round_goes_the_same_way_back(
     # Its body is the same from both ends; but links are solved from the front on.
     for case in drawn(section, seed, 50):
         usual = put(chain, case)
-        long_m = float(np.ptp(places(usual)[:, 0]))
+        along_m = [x for x, *_ in stand(chain, case.route(), case.at_m, case.joints).places]
         turned = case._replace(
             up=case.up * [-1, 1, 1],
             joints={5 - wheel: duty for wheel, duty in case.joints.items()},
             wheels=-case.wheels[::-1],
-            at_m=LENGTH_M - AT_M + long_m,
+            at_m=LENGTH_M - along_m[-1],
         )
         back = places(run(put(chain, turned), 1.0))[::-1] * [-1, 1, 1] + [LENGTH_M, 0, 0]
         assert back == pytest.approx(places(run(usual, 1.0)), abs=1e-3)
@@ -304,10 +304,10 @@ def test_an_upright_robot_falls_below_the_friction_that_bears_its_weight(
                        brake_nm=0.0)[-1].least_n  # fmt: skip
     weight_n = GRAVITY_M_S2 * sum(each.mass_kg for each in (*chain.wheels, *chain.links))
     by_hand = weight_n / pressed_n
-    assert by_hand == pytest.approx(0.0543 / share, rel=2e-3)
+    assert by_hand == pytest.approx(0.0543 / share, rel=0.03)  # walls give way a little
     ways = []
-    for factor in (0.05 / 0.0543, 0.06 / 0.0543):
-        friction = Friction(static=factor * by_hand, kinetic=factor * by_hand)
+    for coefficient in (0.05 / share, 0.06 / share):
+        friction = Friction(static=coefficient, kinetic=coefficient)
         route = case.route()
         world = KINDS[section](chain, route, friction, stand(chain, route, AT_M, joints), CYCLE_S)
         for wheel, duty in joints.items():
