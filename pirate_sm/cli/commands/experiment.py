@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import json
+from collections import Counter
 from collections.abc import Iterator
+from math import isnan
 from pathlib import Path
 from textwrap import wrap
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.options.estimates import ExperimentOptions
-from pirate_sm.cli.output.files import csv_line, refuse_losses, write_and_name, write_csv
+from pirate_sm.cli.output.files import csv_line, refuse_losses, write_csv, write_file
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.visible import visible
 
 if TYPE_CHECKING:
     from pirate_sm.core.models import Profile
     from pirate_sm.lab.experiments.experiment_files import Setup
-    from pirate_sm.lab.experiments.setups import ComparedRow, ExperimentResult
+    from pirate_sm.lab.experiments.setups import ExperimentResult
+    from pirate_sm.lab.experiments.thesis_rows import ComparedRow
 
 
-NOT_REPRODUCED = 1
+CONTRADICTED = 1
 
 
 _WIDE = 100
@@ -37,32 +41,37 @@ def run_experiment(options: ExperimentOptions) -> int:
     from pirate_sm.core import library
     from pirate_sm.core.loading import load_robot
     from pirate_sm.lab.experiments.experiment_files import chosen, load_experiments
-    from pirate_sm.lab.experiments.setups import compared
+    from pirate_sm.lab.experiments.thesis_rows import compared
     from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
     folder = library.find_robot(options.robot, Path.cwd())
     profile = load_robot(folder).profile
     every: list[ComparedRow] = []
+    notes: list[str] = []
     sections = []
     for setup, parts in chosen(load_experiments(folder), options.which):
         began = perf_counter()
         result = _repeated(profile, setup, parts, options)
         rows = [each for each in compared(setup.rows, result.values) if each.row.of in parts]
         took = f"repeated in {perf_counter() - began:.0f} s"
-        print(f"Experiment {setup.experiment}: {setup.title} ({took})")
-        for line in [*(f"  {note}" for note in result.notes), *_lines(rows), ""]:
-            print(visible(line))
+        if options.format == "text":
+            print(f"Experiment {setup.experiment}: {setup.title} ({took})")
+            for line in [*(f"  {note}" for note in result.notes), *_lines(rows), ""]:
+                print(visible(line))
         every += rows
+        notes += result.notes
         title = f"Experiment {setup.experiment}: {setup.title}"
         table = [_cells(each) for each in rows]
         sections.append(FigureSection(title, result.notes, _HEADER, table, result.figures))
     if options.csv:
         write_csv(options.csv, _HEADER, map(_cells, every))
-        print(visible(str(options.csv)))
     if options.output:
-        write_and_name(options.output, figure_page("The thesis's experiments, repeated", sections))
-    print(_summary(every))
-    return NOT_REPRODUCED if any(each.verdict == "not reproduced" for each in every) else 0
+        write_file(options.output, figure_page("The thesis's experiments, repeated", sections))
+    if options.format == "text":
+        for place in filter(None, (options.csv, options.output)):
+            print(visible(str(place)))
+    print(_as_json(every, notes) if options.format == "json" else _summary(every))
+    return CONTRADICTED if any(each.verdict == "contradicted" for each in every) else 0
 
 
 def _repeated(
@@ -83,12 +92,13 @@ def _repeated(
         return repeat_straight_pipe(profile, setup, parts, watch=watch)
 
 
-_HEADER = ("part", "what", "thesis", "ours", "verdict", "place in the thesis")
+_HEADER = ("part", "what", "thesis", "band", "ours", "verdict", "place in the thesis")
 
 
 def _cells(each: ComparedRow) -> tuple[str, ...]:
     row = each.row
-    return (row.of, row.what, row.thesis, each.ours_text, each.verdict_text, row.place)
+    values = row.thesis, each.band_text, each.ours_text
+    return (row.of, row.what, *values, each.verdict_text, row.place)
 
 
 def _lines(rows: list[ComparedRow]) -> Iterator[str]:
@@ -96,14 +106,24 @@ def _lines(rows: list[ComparedRow]) -> Iterator[str]:
     wide = max((len(each.row.what) for each in rows), default=0)
     for each in rows:
         row = each.row
-        values = f"thesis {row.thesis} ({row.place}), ours {each.ours_text}"
+        band = f", band {each.band_text} ({row.source})" if row.between else ""
+        values = f"thesis {row.thesis} ({row.place}){band}, ours {each.ours_text}"
         yield f"  {row.of:<3} {row.what:<{wide}}  {values}"
         indent = " " * 6
         yield from wrap(each.verdict_text, _WIDE, initial_indent=indent, subsequent_indent=indent)
 
 
 def _summary(rows: list[ComparedRow]) -> str:
-    counts: dict[str, int] = {}
-    for each in rows:
-        counts[each.verdict] = counts.get(each.verdict, 0) + 1
+    counts = Counter(each.verdict for each in rows)
     return ", ".join(f"{count} {verdict}" for verdict, count in counts.items()) or "no rows"
+
+
+def _as_json(rows: list[ComparedRow], notes: list[str]) -> str:
+    """Return every row with its verdict, what they add up to, and the notes."""
+    judged = [
+        each.row.model_dump(exclude={"cannot"})
+        | {"ours": None if isnan(each.ours) else each.ours, "verdict": each.verdict}
+        for each in rows
+    ]
+    counted = {"counts": Counter(each.verdict for each in rows), "notes": notes, "rows": judged}
+    return json.dumps(counted, indent=1, ensure_ascii=False)

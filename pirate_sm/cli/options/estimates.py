@@ -72,10 +72,11 @@ class FitOptions(CommandOptions):
 class ExperimentOptions(CommandOptions):
     """Repeat the experiments of the thesis.
 
-    Its values are printed next to ours. Each row has a verdict: reproduced, shape only, or not
-    reproducible, with the reason.
+    Its values are printed next to ours, each with the band that the thesis's own spread leaves.
+    Verdicts: predicted, consistent with no effect, input, contradicted, not modelled, impossible,
+    ours alone.
 
-    Exit codes: 0 every value that can be reproduced is, 1 one is not, 2 a file cannot be used.
+    Exit codes: 0 no value is contradicted, 1 one is, 2 a file cannot be used.
     """
 
     which: list[str] = argument(
@@ -88,6 +89,9 @@ class ExperimentOptions(CommandOptions):
         "OUT.html", candidates.files, "A page with figures.", "--output", "-o"
     )
     csv: Path | None = option("OUT.csv", candidates.files, "A table of every row.")
+    format: Literal["text", "json"] = typed(
+        "What is written to standard output.", "--format", default="text"
+    )
     overwrite: bool = common.overwrite()
 
 

@@ -95,7 +95,7 @@ def run_traction(
     tilt = _tilt(times_s, setup)
     seen_tilt = tilt + noise.tilt * random.standard_normal(ticks)
     rim_noise = body.wheel_radius * noise.speed * random.standard_normal((ticks, len(body.wheels)))
-    mass = _mass_kg(profile)
+    mass = mass_kg(profile)
     compensating = variant.compensated & (times_s >= setup.timeline.compensate)
     ahead = mass * GRAVITY_M_S2 * np.sin(seen_tilt) / len(body.wheels) * compensating
     normal = _normal_forces(profile, setup, variant, times_s, tilt, seen_tilt)
@@ -134,19 +134,19 @@ def _check_parts(profile: Profile, setup: TractionSetup) -> None:
             names = ", ".join(sorted(parts))
             raise UsageError(f"{where} of the experiment names other parts than the robot: {names}")
     for part in parts:
-        if _lever_m(profile, setup, part) <= 0:
+        if lever_m(profile, setup, part) <= 0:
             raise UsageError(
                 f"the part {part} is too short for a pipe of the experiment's diameter"
             )
 
 
-def _mass_kg(profile: Profile) -> float:
+def mass_kg(profile: Profile) -> float:
     """Return the mass of the whole robot."""
     body = profile.body
     return sum(wheel.mass for wheel in body.wheels) + sum(link.mass for link in body.links)
 
 
-def _lever_m(profile: Profile, setup: TractionSetup, part: str) -> float:
+def lever_m(profile: Profile, setup: TractionSetup, part: str) -> float:
     """Return the length along the pipe of a leg of the part's V (eq. 3-3)."""
     height_m = setup.physics.diameter - 2 * profile.body.wheel_radius
     return span_m(min(profile.body.legs_m(part)), height_m)
@@ -185,14 +185,14 @@ def _normal_forces(
     seen_tilt: Floats,
 ) -> Floats:
     """Return each wheel's normal force: its share of the clamp and of the weight (eq. 3-3, 3-5)."""
-    body, weight = profile.body, _mass_kg(profile) * GRAVITY_M_S2
+    body, weight = profile.body, mass_kg(profile) * GRAVITY_M_S2
     joints = {joint.name: joint.wheel for joint in body.joints}
     apexes = {joints[part.apex] for part in body.parts.values()}
     columns = []
     for wheel in body.wheels:
         torque = _clamp_torque(profile, setup, variant, wheel.part, times_s, seen_tilt)
         share = 2.0 if wheel.name in apexes else 1.0
-        pressed = share * torque / _lever_m(profile, setup, wheel.part)
+        pressed = share * torque / lever_m(profile, setup, wheel.part)
         columns.append(pressed + weight * np.abs(np.cos(tilt)) / len(body.wheels))
     return np.column_stack(columns)
 
@@ -211,9 +211,9 @@ def _clamp_torque(
     if not variant.gripped:
         return torque
     count = len(profile.body.wheels)
-    weight = _mass_kg(profile) * GRAVITY_M_S2
+    weight = mass_kg(profile) * GRAVITY_M_S2
     needed = control.safety * weight * np.abs(np.sin(seen_tilt)) / (count * control.friction[part])
     pressed = weight * np.abs(np.cos(seen_tilt)) / count + needed
     share = 0.5 if control.share == "as_printed" else 1.0
-    gripped: Floats = share * _lever_m(profile, setup, part) * pressed
+    gripped: Floats = share * lever_m(profile, setup, part) * pressed
     return np.where(times_s >= timeline.grip, gripped, torque)

@@ -1,13 +1,12 @@
-"""The files of experiments, the thesis's values next to ours, and what repeating gives."""
+"""The files of experiments, and what repeating gives."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import isnan
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import Field
 
 from pirate_sm.core.fields import (
     Angle,
@@ -28,105 +27,9 @@ from pirate_sm.core.fields import (
     VelocityGain,
 )
 from pirate_sm.core.models import DefectText, Friction
-from pirate_sm.core.units import parse_unit
 from pirate_sm.lab.experiments.needed_extras import is_missing
+from pirate_sm.lab.experiments.thesis_rows import ThesisRow
 from pirate_sm.views.drawing.svg.plot import Plot
-
-# --- the thesis's values -------------------------------------------------------------------------
-
-
-Unjudged = Literal["not reproducible", "impossible", "ours alone"]
-Verdict = Literal["reproduced", "shape only", "not reproduced"] | Unjudged
-
-
-def _in_order(limits: tuple[float, float]) -> tuple[float, float]:
-    if limits[0] > limits[1]:
-        raise ValueError(f"expected the lower limit first, got {limits[0]:g}, {limits[1]:g}")
-    return limits
-
-
-Range = Annotated[
-    tuple[Number, Number], Field(min_length=2, max_length=2), AfterValidator(_in_order)
-]
-
-
-class ThesisRow(Frozen):
-    """A value or a claim of the thesis.
-
-    Attributes:
-        of: The part of the experiment, such as 3c.
-        what: What it is.
-        place: Its section, table or figure in the thesis.
-        thesis: Its value, as it is printed.
-        ours: Name of our value for it; empty without one.
-        unit: Of our value.
-        between: Our value within these reproduces it, in ``unit``.
-        shape: Our value within these has the shape alone, in ``unit``.
-        cannot: The verdict where no value of ours can be held against it.
-        reason: What a reader must know of the verdict.
-    """
-
-    of: str
-    what: str
-    place: str
-    thesis: str
-    ours: str = ""
-    unit: str = ""
-    between: Range | None = None
-    shape: Range | None = None
-    cannot: Unjudged | None = None
-    reason: str = ""
-
-
-@dataclass(frozen=True)
-class ComparedRow:
-    """A row of the thesis with our value.
-
-    Attributes:
-        row: The thesis's.
-        ours: Our value, in the row's unit; NaN where there is none.
-        verdict: How they compare.
-    """
-
-    row: ThesisRow
-    ours: float
-    verdict: Verdict
-
-    @property
-    def ours_text(self) -> str:
-        """Our value with its unit."""
-        return "–" if isnan(self.ours) else f"{self.ours:.4g} {self.row.unit}".rstrip()
-
-    @property
-    def verdict_text(self) -> str:
-        """The verdict with its reason."""
-        return f"{self.verdict}: {self.row.reason}" if self.row.reason else self.verdict
-
-
-def compared(rows: Iterable[ThesisRow], values: Mapping[str, float]) -> Iterator[ComparedRow]:
-    """Yield the rows for which there is a value, and those that need none.
-
-    Args:
-        rows: Of the thesis.
-        values: Ours by their names, in SI units.
-    """
-    for row in rows:
-        if row.ours and row.ours not in values:
-            continue
-        scale = parse_unit(row.unit).value if row.unit else 1.0
-        ours = values[row.ours] / scale if row.ours else float("nan")
-        yield ComparedRow(row, ours, _verdict(row, ours))
-
-
-def _verdict(row: ThesisRow, ours: float) -> Verdict:
-    if row.cannot is not None:
-        return row.cannot
-    if row.between is not None and row.between[0] <= ours <= row.between[1]:
-        return "reproduced"
-    if row.shape is not None and row.shape[0] <= ours <= row.shape[1]:
-        return "shape only"
-    return "not reproduced"
-
 
 # --- missions in the simulator -------------------------------------------------------------------
 
@@ -194,10 +97,23 @@ class FurtherRun(Frozen):
     pipe: Name
 
 
+class ClampReadings(Frozen):
+    """Torques that a thesis read at the joints of a clamped robot.
+
+    Attributes:
+        duty: Of the motors that clamp.
+        torques: The readings, by joint.
+    """
+
+    duty: Annotated[Number, Field(gt=0, le=1)]
+    torques: dict[Name, Torque]
+
+
 class StraightPipeSetup(MissionSetup):
     """An experiment that drives up and down a straight pipe.
 
     Attributes:
+        clamp: What is to be explained of its clamp torques.
         wheels: Those that were measured.
         shown: The part whose figures are drawn.
         processing: How signals are made comparable.
@@ -206,6 +122,7 @@ class StraightPipeSetup(MissionSetup):
 
     wheels: tuple[Name, ...]
     shown: str
+    clamp: ClampReadings | None = None
     processing: PostProcessing
     again: dict[str, FurtherRun] = {}  # noqa: RUF012 - pydantic copies it
 
@@ -419,6 +336,42 @@ class OwnLoops(Frozen):
     since: Name
 
 
+class WallContact(Frozen):
+    """The walls of the thesis's own simulation (table 4-1), as explicit steps see them.
+
+    Attributes:
+        stiffness: Of a contact.
+        damping: Of a contact.
+        step: Of explicit integration in which rebounds are judged.
+        drop: How high above the wall a mass is let go.
+        lasting: How long it is watched.
+    """
+
+    stiffness: Annotated[SpringRate, Field(gt=0)]
+    damping: Annotated[Damping, Field(gt=0)]
+    step: Annotated[Duration, Field(gt=0)]
+    drop: Annotated[Length, Field(gt=0)]
+    lasting: Annotated[Duration, Field(gt=0)]
+
+
+class Sensitivity(Frozen):
+    """Numbers that are not printed, each changed alone; values are named after them.
+
+    Attributes:
+        of: The variant.
+        noise: The level of noise.
+        speed: Other wanted speeds.
+        gain: Other gains.
+        noise_speed: Other noise of each wheel's measured angular speed.
+    """
+
+    of: str
+    noise: Name
+    speed: dict[Name, Speed] = {}  # noqa: RUF012 - pydantic copies it
+    gain: dict[Name, VelocityGain] = {}  # noqa: RUF012 - pydantic copies it
+    noise_speed: dict[Name, AngularSpeed] = {}  # noqa: RUF012 - pydantic copies it
+
+
 class TractionSetup(ExperimentSetup):
     """A traction experiment.
 
@@ -430,6 +383,8 @@ class TractionSetup(ExperimentSetup):
         variants: By their names in the thesis.
         curves: Of slip and friction.
         loops: The same once more, by the engine's own loops.
+        wall: The contact that ended the thesis's simulation of bends.
+        sensitivity: What the odometry error owes to numbers that are not printed.
     """
 
     physics: ReducedPhysics
@@ -439,6 +394,8 @@ class TractionSetup(ExperimentSetup):
     variants: dict[str, Variant]
     curves: SlipCurves
     loops: OwnLoops | None = None
+    wall: WallContact | None = None
+    sensitivity: Sensitivity | None = None
 
 
 # --- results -------------------------------------------------------------------------------------

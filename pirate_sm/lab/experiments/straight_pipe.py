@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
+from math import nan
 from pathlib import Path
 from statistics import fmean
 from tempfile import TemporaryDirectory
@@ -16,12 +18,14 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.geometry import height_m, span_m
 from pirate_sm.core.models import Profile, Wheel
 from pirate_sm.core.models import signals as kinds
+from pirate_sm.lab.experiments.clamp_readings import explain_clamp
 from pirate_sm.lab.experiments.setups import (
     ExperimentResult,
     PostProcessing,
     StraightPipeSetup,
     Watch,
 )
+from pirate_sm.lab.experiments.slip_histogram import slip_histogram
 from pirate_sm.lab.fitting.measurements import column
 from pirate_sm.lab.fitting.slip_curve import fit_slip_curve, slip_plot
 from pirate_sm.running.recording.read.reader import read_recording
@@ -89,6 +93,10 @@ class SlipSignals:
         ratio: Floats = -self.slip_m_s(wheel) / np.where(moving, self.speed_m_s, np.nan)
         return ratio
 
+    def driving_ratio(self, wheel: Wheel) -> Floats:
+        """Return the slip ratios while the robot drives."""
+        return self.ratio(wheel)[np.abs(self.speed_m_s) >= self.processing.driving_above]
+
     def joint_torque(self, joint: str) -> Floats:
         """Return the torque of a joint, smoothed."""
         name = next(each.torque for each in self._profile.body.joints if each.name == joint)
@@ -117,9 +125,59 @@ class SlipSignals:
 
     def friction(self, wheel: Wheel) -> Floats:
         """Return the friction coefficient in use; NaN where nothing presses."""
-        normal = self.normal_n(wheel)
+        return self._used(wheel, self.normal_n(wheel))
+
+    def statics_friction(self, wheel: Wheel) -> Floats:
+        """Return the same with the normal force by the statics of the whole chain."""
+        name = self._profile.derived_by(kinds.NormalForceOf, normal_force_of=wheel.name)
+        return self._used(wheel, self._smooth(*self._first(column(self._columns, name))))
+
+    def _used(self, wheel: Wheel, normal: Floats) -> Floats:
         used: Floats = self.friction_n(wheel) / np.where(normal > 0.5, normal, np.nan)
         return used
+
+    @cached_property
+    def stretches(self) -> list[tuple[Floats, Floats]]:
+        """The stretches of driving: when each was commanded, and when the robot drove in it."""
+        commands = self.run.commands
+        given = zip(commands["time_s"], commands["status"], strict=True)
+        bounds = [*(at for at, status in given if status == "accepted"), self.times_s[-1]]
+        drives = np.abs(self.speed_m_s) >= self.processing.driving_above
+        spans = [(self.times_s >= a) & (self.times_s < b) for a, b in pairwise(bounds)]
+        return [(span, span & drives) for span in spans if (span & drives).any()]
+
+    def drive_values(self, wheel: Wheel) -> dict[str, float]:
+        """Return what section 6-2 says of a wheel that starts, drives, and is blocked.
+
+        How much friction grows beyond that at rest when the wheel is driven, N; its peak at a
+        start over that in driving; how the clamp force grew from the first stretch to the last;
+        and where the robot was held up, the rim speed over that in driving.
+        """
+        force, normal, rim = self.friction_n(wheel), self.normal_n(wheel), self.rim_m_s(wheel)
+        found: dict[str, float] = {}
+        if not self.stretches or not rim.any():
+            return found
+        (first, at_first), (_, at_last) = self.stretches[0], self.stretches[-1]
+        still = np.abs(self.speed_m_s) < self.processing.still_below
+        rests = still & ~np.any([span for span, _ in self.stretches], axis=0)
+        rests &= np.maximum.accumulate(first)
+        driven = np.any([drives for _, drives in self.stretches], axis=0)
+        if rests.any():
+            found["rise"] = float(np.median(force[driven]) - np.median(force[rests]))
+        found["growth"] = float(np.median(normal[at_last])) / _positive(np.median(normal[at_first]))
+        peaks = []
+        for span, drives in self.stretches:
+            begun = np.maximum.accumulate(drives)
+            peaks.append(float(np.max(force[span & ~begun])) / _positive(np.median(force[drives])))
+            ended = np.maximum.accumulate(drives[::-1])[::-1]
+            held_up = span & begun & ended & still
+            if held_up.any():
+                way = "forward" if np.median(self.speed_m_s[drives]) > 0 else "backward"
+                found[f"blocked_{way}"] = float(np.median(rim[held_up])) / float(
+                    np.median(rim[drives]) or nan
+                )
+        found["start_peak"] = float(np.median(peaks))
+        return found
 
     def _first(self, values: Floats) -> tuple[Floats, Floats]:
         """Return times and values without repetitions and without what is unknown."""
@@ -210,8 +268,14 @@ def repeat_straight_pipe(
         made = run(setup.missions[part], defects=setup.defects)
         signals = SlipSignals(made, setup.processing)
         _take_in(result, part, part, signals, wheels)
+        result.figures += [
+            slip_histogram(setup.rows, part, wheel.name, signals.driving_ratio(wheel))
+            for wheel in wheels
+        ]
         if part == setup.shown:
             result.figures += _figures(signals, wheels, profile)
+            if setup.clamp is not None and made.loaded.pipe is not None:
+                explain_clamp(profile, setup.clamp, made.loaded.pipe.diameter, result)
     for number, part in enumerate(further, start=len(parts)):
         watch(number * share)
         backend, pipe = setup.again[part].backend, setup.again[part].pipe
@@ -242,16 +306,20 @@ def _take_in(
         values = _wheel_values(signals, wheel)
         result.values |= {f"{name}.{wheel.name}.{key}": value for key, value in values.items()}
     for joint in made.loaded.loaded_robot.profile.body.joints:
-        torque = float(np.median(np.abs(signals.joint_torque(joint.name))))
-        result.values[f"{name}.{joint.name}.torque_median"] = torque
+        torque = np.abs(signals.joint_torque(joint.name))
+        result.values[f"{name}.{joint.name}.torque_median"] = float(np.median(torque))
+        result.values[f"{name}.{joint.name}.torque_mean"] = float(np.mean(torque))
+    friction = {wheel.name: result.values[f"{name}.{wheel.name}.most_friction"] for wheel in wheels}
+    for this, most in friction.items():
+        least = min(friction[other] for other in friction if other != this)
+        result.values[f"{name}.{this}.friction_share"] = most / least if least > 0 else nan
 
 
 def _wheel_values(signals: SlipSignals, wheel: Wheel) -> dict[str, float]:
-    """Return the statistics of table 6-1 and what section 6-2 says of friction."""
+    """Return the statistics of table 6-1 and what section 6-2 says of friction and blocks."""
     ratio = signals.ratio(wheel)
     ratio = ratio[np.isfinite(ratio)]
-    driving = np.abs(signals.speed_m_s) >= signals.processing.driving_above
-    driven = signals.ratio(wheel)[driving]
+    driven = signals.driving_ratio(wheel)
     within = ratio[np.abs(ratio) <= signals.processing.most_ratio]
     return {
         "driving_median": _or_nan(np.median, driven),
@@ -261,7 +329,12 @@ def _wheel_values(signals: SlipSignals, wheel: Wheel) -> dict[str, float]:
         "within_std": _or_nan(np.std, within),
         "least": _or_nan(np.min, ratio),
         "most_friction": _or_nan(np.nanmax, signals.friction(wheel)),
-    }
+        "statics_friction": _or_nan(np.nanmax, signals.statics_friction(wheel)),
+    } | signals.drive_values(wheel)
+
+
+def _positive(value: np.floating) -> float:
+    return float(value) if value > 0 else nan
 
 
 def _or_nan(statistic: object, values: Floats) -> float:

@@ -17,9 +17,11 @@ from pirate_sm.lab.experiments.setups import (
     ExperimentResult,
     NoiseLevel,
     OwnLoops,
+    Sensitivity,
     TractionSetup,
     Watch,
 )
+from pirate_sm.lab.experiments.wall_contact import contact_values
 from pirate_sm.lab.fitting.measurements import column
 from pirate_sm.lab.fitting.slip_curve import SlipCurve, fit_slip_curve, slip_plot
 from pirate_sm.simulation.arrays import Floats
@@ -160,6 +162,9 @@ def repeat_traction(
     result.figures = [*_places(work, levels), *_errors(work, levels)]
     if setup.curves.of in parts and noise is None:
         _add_curves(profile, setup, result)
+    contact_values(profile, setup, result)
+    if setup.sensitivity is not None and setup.sensitivity.of in parts:
+        result.values |= _sensitivity(work, setup.sensitivity)
     if setup.loops is not None:
         made = repeat_with_loops(
             setup.loops, parts, seeds=seeds, watch=lambda share: watch(0.5 + 0.5 * share)
@@ -169,6 +174,28 @@ def repeat_traction(
         result.notes += made.notes
         result.figures += made.figures
     return result
+
+
+def _sensitivity(work: _Work, asked: Sensitivity) -> dict[str, float]:
+    """Return the odometry error of a variant with one number changed at a time, by its name."""
+    setup, noise = work.setup, work.setup.noise[asked.noise]
+    changed = [
+        *((name, {"speed": value}, noise) for name, value in asked.speed.items()),
+        *((name, {"gain": value}, noise) for name, value in asked.gain.items()),
+        *(
+            (name, {}, noise.model_copy(update={"speed": value}))
+            for name, value in asked.noise_speed.items()
+        ),
+    ]
+    found = {}
+    for name, control, level in changed:
+        other = setup.model_copy(update={"control": setup.control.model_copy(update=control)})
+        runs = [
+            run_traction(work.profile, other, setup.variants[asked.of], level, seed=seed)
+            for seed in range(work.seeds)
+        ]
+        found[f"{asked.of}.{name}.error"] = median(map(_error_m, runs))
+    return found
 
 
 @dataclass
@@ -202,6 +229,7 @@ def _values(work: _Work) -> dict[str, float]:
         found[f"{name}.error"] = work.median(part, level, _error_m)
         found[f"{name}.way"] = work.median(part, level, lambda run: run.way_m)
         found[f"{name}.place"] = work.median(part, level, lambda run: float(run.place_m[-1]))
+        found[f"{name}.jitter"] = work.median(part, level, lambda run: _jitter_m_s(work.setup, run))
     for level in dict.fromkeys(level for _, level in work.runs):
         found |= _compared_with_partners(work.setup, _parts(work), level, found)
     return found
@@ -223,6 +251,14 @@ def _compared_with_partners(
 def _error_m(run: TractionRun) -> float:
     """Return the odometry error at the end, the mean of the wheels."""
     return abs(float(run.odometry_error_m[-1].mean()))
+
+
+def _jitter_m_s(setup: TractionSetup, run: TractionRun) -> float:
+    """Return how the speed varies while the robot is braked upright, its standard deviation."""
+    begin = setup.timeline.turn.to
+    end = min((each.begin for each in setup.timeline.drives if each.begin > begin), default=begin)
+    braked = (run.times_s >= (begin + end) / 2) & (run.times_s < end)  # it has settled by then
+    return float(run.speed_m_s[braked].std()) if braked.any() else 0.0
 
 
 def _uncompensated(setup: TractionSetup, part: str) -> str | None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -23,24 +24,30 @@ def test_the_thesis_stands_beside_ours_with_a_verdict_and_its_reason(
 
     told = pirate("experiment", "3c", "--seeds", "1", "-o", page, "--csv", csv)
 
-    assert told.exit_code == 0
-    assert "thesis about 2 cm (6-4, fig. 6-11), ours 19.9" in told.stdout
-    assert "reproduced: creep of the friction law" in told.stdout
+    assert told.exit_code == 1, "its way is contradicted"
+    assert "thesis about 2 cm (6-4, fig. 6-11), band 15 to 25 (one digit is printed" in told.stdout
+    assert "ours 19.9" in told.stdout
+    assert "predicted: creep of the friction law" in told.stdout
     assert "3a" not in {line.split()[0] for line in told.stdout.splitlines() if line.strip()}
     assert "Fig. 6-11" in page.read_text()
-    assert "3c,odometry error with noise,about 2 cm,19.9" in csv.read_text()
+    assert "3c,odometry error with noise,about 2 cm,15 to 25,19.9" in csv.read_text()
     assert "3c on physics: not run, mujoco is not installed" in told.stdout
     assert "loops on physics" not in told.stdout
 
 
 @pytest.mark.thorough
-def test_that_gravity_compensation_harms_is_not_reproducible_and_the_algebra_is_given(
-    pirate: Any,
+def test_every_verdict_is_there_for_programs_and_that_compensation_harms_is_contradicted(
+    pirate: Any, tmp_path: Path
 ) -> None:
-    told = pirate("experiment", "3c", "3d", "--seeds", "1", "--noise", "thesis")
+    asked = ("3c", "3d", "--seeds", "1", "--noise", "thesis", "--format", "json")
+    told = pirate("experiment", *asked, "-o", tmp_path / "page.html")
 
-    harms = told.stdout.partition("gravity compensation harms")[2]
-    assert "not reproducible: 3d = 3c in odometry: F = K_p (v_d + m g r sin a / (6 K_p)" in harms
+    data = json.loads(told.stdout)
+    assert sum(data["counts"].values()) == len(data["rows"])
+    (harms,) = (row for row in data["rows"] if "compensation harms" in row["what"])
+    assert harms["verdict"] == "contradicted"
+    assert harms["reason"].startswith("3d = 3c in odometry: F = K_p (v_d + m g r sin a")
+    assert harms["between"] == [-1000, -1]
 
 
 def test_an_unknown_experiment_is_refused(pirate: Any) -> None:

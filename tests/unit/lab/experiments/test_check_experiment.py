@@ -50,7 +50,7 @@ def test_a_shipped_experiment_has_no_fault(number: int) -> None:
         (1, "wheels: [wheel_1,", "wheels: [wheel_7,", "experiment.name", "no wheel 'wheel_7'"),
         (1, "shown: 1a", "shown: 1x", "experiment.name", "no part of the experiment '1x'"),
         (1, "{of: 1a, what", "{of: 4a, what", "experiment.name", "'4a'"),
-        (1, "unit: Nm", "unit: newtons", "experiment.unit", "newtons"),
+        (1, 'unit: "Nm"', "unit: newtons", "experiment.unit", "newtons"),
         (2, "Unclamped, Unaligned", "Unclampt, Unaligned", "experiment.name", "'Unclampt'"),
         (2, "[Free, Free, Unclamped", "[Free, Unclamped", "experiment.name", "of each region"),
         (2, "tilts:\n  of: 2c", "tilts:\n  of: 2d", "experiment.name", "'2d'"),

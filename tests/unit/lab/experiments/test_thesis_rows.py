@@ -2,8 +2,11 @@ from math import isnan, nan
 from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
-from pirate_sm.lab.experiments.setups import ComparedRow, ThesisRow, compared
+from pirate_sm.lab.experiments.thesis_rows import ComparedRow, ThesisRow, compared
+
+BAND = {"between": (70, 90), "source": "printed"}
 
 
 def row(**more: Any) -> ThesisRow:
@@ -16,21 +19,46 @@ def judged(ours_m: float, **more: Any) -> ComparedRow:
 
 @pytest.mark.parametrize(
     ("ours_m", "verdict"),
-    [(0.8, "reproduced"), (1.0, "shape only"), (2.0, "not reproduced"), (nan, "not reproduced")],
+    [(0.8, "predicted"), (1.0, "contradicted"), (0.0, "contradicted"), (nan, "contradicted")],
 )
 def test_a_value_is_judged_in_the_unit_of_its_row(ours_m: float, verdict: str) -> None:
-    assert judged(ours_m, between=(70, 90), shape=(50, 120)).verdict == verdict
+    assert judged(ours_m, **BAND).verdict == verdict
+
+
+def test_a_band_that_a_simulator_without_the_effect_passes_shows_nothing() -> None:
+    assert judged(0.8, **BAND, no_effect=90).verdict == "consistent with no effect"
+    assert judged(1.0, **BAND, no_effect=90).verdict == "contradicted"
+
+
+def test_what_was_put_in_is_no_prediction_but_must_be_read_back() -> None:
+    assert judged(0.8, **BAND, cannot="input").verdict == "input"
+    assert judged(1.0, **BAND, cannot="input").verdict == "contradicted"
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({}, "expected a band"),
+        ({"cannot": "input"}, "expected a band"),
+        ({"between": (70, 90)}, "expected the 'source'"),
+    ],
+)
+def test_a_row_has_a_band_with_its_source_or_a_verdict_that_needs_none(
+    more: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(ValidationError, match=said):
+        row(**more)
 
 
 def test_what_cannot_be_judged_keeps_its_verdict_and_its_reason() -> None:
     found = judged(0.8, cannot="impossible", reason="a length is not negative")
 
     assert found.verdict_text == "impossible: a length is not negative"
-    assert found.ours_text == "80 cm"
+    assert (found.ours_text, found.band_text) == ("80 cm", "–")
 
 
 def test_a_row_without_a_value_of_ours_is_not_shown() -> None:
-    assert list(compared([row(between=(0, 1))], {"other": 1.0})) == []
+    assert list(compared([row(**BAND)], {"other": 1.0})) == []
 
 
 def test_a_row_that_needs_no_value_is_shown() -> None:
