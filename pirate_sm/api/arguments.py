@@ -126,6 +126,7 @@ def _order(
     if wrong := unknown("there is no option", rest, sorted(_TYPES)):
         raise UsageError(wrong)
     settings = texts(rest.pop("set", None))
+    numbers = texts(rest.pop("numbers", None), "numbers: expected values by the keys of a twin")
     if isinstance(mission, LoadedMission):
         _refuse_options(set=settings, **{name: rest.get(name) for name in _PATHS})
         if any(map(rest.get, _OF_START)):
@@ -140,6 +141,7 @@ def _order(
         backend,
         seed=whole(seed, "seed", 0),
         settings=settings,
+        numbers=numbers,
         check=check,
         **{option: _taken(option, value) for option, value in rest.items()},
     )
@@ -239,8 +241,11 @@ _OF_START = ("start_phase", "states")
 """Where a mission begins is written into a recording with the options, not with the mission."""
 
 
-def texts(values: Mapping[str, object] | None) -> dict[str, str]:
-    """Return values of parameters as a command line would give them.
+def texts(
+    values: Mapping[str, object] | None,
+    expected: str = "set: expected values by the names of parameters",
+) -> dict[str, str]:
+    """Return values as a command line would give them.
 
     Raises:
         UsageError: They are not given by name.
@@ -249,7 +254,7 @@ def texts(values: Mapping[str, object] | None) -> dict[str, str]:
     if not isinstance(given, Mapping | None) or not all(
         isinstance(key, str) for key in given or ()
     ):
-        raise UsageError(f"set: expected values by the names of parameters, got {values!r}")
+        raise UsageError(f"{expected}, got {values!r}")
     return {
         name: str(value).lower() if isinstance(value, bool) else str(value)
         for name, value in (values or {}).items()

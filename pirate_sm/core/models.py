@@ -57,8 +57,11 @@ from pirate_sm.core._model.robot.simulation import (
     SIMULATORS,
     Friction,
     LineFaults,
+    MotorNumbers,
+    Noise,
     RobotSample,
     RulerSettings,
     Twin,
+    Tyre,
 )
 from pirate_sm.core._model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger

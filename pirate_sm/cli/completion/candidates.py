@@ -332,6 +332,19 @@ def defects(context: typer.Context, typed: str) -> Iterator[Candidate]:
         yield f"{before}{key}=", DEFECT_KEYS[key].meaning
 
 
+def numbers(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield the numbers of the robot that a twin may have, with those in its profile."""
+    from pirate_sm.core.models import MotorNumbers
+
+    profile = _profile(_robot(context))
+    groups = {f"motors.{name}": each for name, each in mapping(profile.get("motors")).items()}
+    groups |= {name: mapping(profile.get("simulation")).get(name) for name in ("friction", "noise")}
+    for group, found in groups.items():
+        for key, value in mapping(found).items():
+            if key in MotorNumbers.model_fields or not group.startswith("motors."):
+                yield f"{group}.{key}=", line(value)
+
+
 def joints(context: typer.Context, typed: str) -> Iterator[Candidate]:
     """Yield the joints of the robot."""
     for each in items(_profile(_robot(context)).get("body"), "joints"):

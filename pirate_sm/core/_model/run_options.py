@@ -52,6 +52,8 @@ class Options(TypedDict, total=False):
             ``"stiff_joint:friction=0.5Nm,after=2s"``, or as a mapping,
             ``{"defect": "stiff_joint", "after": "2 s"}``.
         twin: File with numbers of the simulated robot, from ``pirate fit --robot``.
+        numbers: Numbers of the simulated robot, by their keys in such a file:
+            ``{"motors.bend.stall_torque": "0.8 Nm"}``.
         fitted: Such a file with numbers of the motors, by which any robot is judged.
         start_jitter_m: How far a simulated robot may start from its place; likewise
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
@@ -72,6 +74,7 @@ class Options(TypedDict, total=False):
     states: Mapping[str, str] | None
     defects: Iterable[str | Mapping[str, object]]
     twin: str | PathLike[str] | None
+    numbers: Mapping[str, object] | None
     fitted: str | PathLike[str] | None
     start_jitter_m: float
     diameter_jitter_m: float
@@ -187,17 +190,8 @@ def _option(default: Any, help_text: str, form: str = "", completes: str = "", *
 
 
 def _jitter(key: str, unit: Dimension, example: str, help_text: str, **more: Any) -> Any:
-    return _option(
-        0.0,
-        help_text,
-        example,
-        key=key,
-        unit=unit,
-        least=0,
-        only=_OF_SIMULATED,
-        in_campaigns="one",
-        **more,
-    )
+    more |= {"key": key, "unit": unit, "least": 0, "only": _OF_SIMULATED, "in_campaigns": "one"}
+    return _option(0.0, help_text, example, **more)
 
 
 @dataclass(frozen=True)
@@ -291,6 +285,10 @@ class GivenOptions:
     twin: str | None = _option(
         None, "Numbers of the simulated robot, from pirate fit --robot.", "FILE", "twins",
         only=_OF_SIMULATED, in_campaigns="one",
+    )  # fmt: skip
+    numbers: Mapping[str, str] = _option(
+        {}, "A number of the simulated robot: friction.kinetic=0.4. Repeatable.", "NAME=VALUE",
+        "numbers", flag="--number", only=_OF_SIMULATED,
     )  # fmt: skip
     fitted: str | None = _option(
         None, "Numbers of its motors to judge it by, from pirate fit.", "FILE", "twins"

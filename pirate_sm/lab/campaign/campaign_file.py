@@ -34,7 +34,7 @@ from pirate_sm.core.documents import Path as Keys
 from pirate_sm.core.errors import PirateError, UsageError
 from pirate_sm.core.fields import LONGEST_NAME
 from pirate_sm.core.library import shown
-from pirate_sm.core.loading import LoadedMission, references, try_validate, twin_named
+from pirate_sm.core.loading import LoadedMission, check_twin, references, try_validate, twin_named
 from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.options import OPTIONS
 from pirate_sm.lab.campaign.campaign_model import Campaign, Expectation, StoppingRule, TrueEnd
@@ -48,6 +48,8 @@ from pirate_sm.lab.campaign.named_parts import (
     texts,
 )
 from pirate_sm.lab.campaign.plan import CampaignPlan, Cell, code_version
+from pirate_sm.lab.campaign.sensitivity import Design
+from pirate_sm.lab.campaign.sensitivity_model import DrawnNumbers
 from pirate_sm.running.wiring import Order, load, prepare
 
 MOST_CELLS = 10_000
@@ -157,6 +159,8 @@ class _Reading:
     loaded: dict[tuple[Any, ...], tuple[str, LoadedMission]] = field(default_factory=dict)
     places: dict[tuple[Any, ...], Keys] = field(default_factory=dict)
     blobs: dict[str, bytes] = field(default_factory=dict)
+    drawn: DrawnNumbers | None = None
+    design: Design | None = None
 
     def plan(self, *, check: bool) -> CampaignPlan:
         self.problems = Problems(self.document)
@@ -167,6 +171,7 @@ class _Reading:
                 names.read(choices)
             raise LoadError(self.problems.all)
         cells: dict[str, Cell] = {}
+        self._take_sensitivity(campaign)
         for choices in choices_of(campaign):
             twice = self._check(choices)
             named = names.read(choices)
@@ -185,9 +190,22 @@ class _Reading:
             campaign.campaign, version, tuple(cells.values()), campaign.confidence, stop, self.blobs
         )
 
+    def _take_sensitivity(self, campaign: Campaign) -> None:
+        """Take how runs vary the robot, and report what does not go with that."""
+        if (wanted := campaign.sensitivity) is None:
+            return
+        if campaign.stop != StoppingRule():
+            self.problems.add("campaign.sensitivity", ("stop",), "indices need all runs: delete it")
+        self.drawn = wanted.numbers
+        self.design = Design(wanted.method, wanted.points, wanted.numbers.factors)
+
     def _check(self, choices: Choices) -> bool:
         """Report choices that do not go with each other; return whether one is listed twice."""
-        if self.seeds is None and choices.of("seeds") is None:
+        if self.design is not None:
+            if self.seeds is not None or choices.of("seeds") is not None:
+                message = "`points` say how often it runs: leave seeds out"
+                self.problems.add("campaign.sensitivity", choices.place("seeds"), message)
+        elif self.seeds is None and choices.of("seeds") is None:
             message = "nothing says how often it runs: give `seeds`, such as 0..999, or --seeds"
             self.problems.add("campaign.seeds", choices.at, message)
         if choices.of("line") is not None and "bay" not in _backends(choices):
@@ -217,6 +235,7 @@ class _Reading:
     def _cells(self, choices: Choices, named: Named) -> Iterator[Cell]:
         """Yield the cells of one mission."""
         seeds = self.seeds if self.seeds is not None else choices.of("seeds")
+        seeds = seeds if self.design is None else range(self.design.runs)
         common = choices.order(named.mission, robot=named.robot, twin=named.twin)
         sets = {name: list(texts(each)) for name, each in (choices.of("set") or {}).items()}
         count = prod(map(len, (named.pipes, *sets.values(), named.detectors, named.defects)))
@@ -264,6 +283,9 @@ class _Reading:
                 continue  # reported already
             end = choices.of("end") or TrueEnd()
             self._check_end(end, loaded, choices)
+            if self.drawn is not None:
+                least, profile = self.drawn.least(loaded.robot.name), loaded.loaded_robot.profile
+                check_twin(least, profile, self.problems, ("sensitivity", "numbers"))
             self._check_jitter(one, loaded, choices)
             yield Cell(
                 choices.entry.name or Path(order.mission).stem,
@@ -272,8 +294,9 @@ class _Reading:
                 seeds,
                 end,
                 choices.of("expect") or Expectation(),
-                _digest(one, loaded, end),
+                _digest(one, loaded, end, self.design),
                 key,
+                self.design,
             )
 
     def _check_end(self, end: TrueEnd, loaded: LoadedMission, choices: Choices) -> None:
@@ -353,7 +376,7 @@ def _blamed(order: Order, loaded: LoadedMission, choices: Choices) -> Keys:
     return choices.at
 
 
-def _digest(order: Order, loaded: LoadedMission, end: TrueEnd) -> str:
+def _digest(order: Order, loaded: LoadedMission, end: TrueEnd, design: Design | None) -> str:
     """Return a digest of all that the result of a run depends on but its seed.
 
     Files count by their content, not by their names, which may differ elsewhere.
@@ -367,6 +390,7 @@ def _digest(order: Order, loaded: LoadedMission, end: TrueEnd) -> str:
         code_version(),
         json.dumps(to_jsonable_python(rest), sort_keys=True),
         end.model_dump_json(),
+        *([] if design is None else [design.digest]),
         *(document.text for document in loaded.documents),
         *(Path(each).read_text("utf-8") for each in named if each and is_file(Path(each))),
     ]

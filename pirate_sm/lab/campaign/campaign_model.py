@@ -44,6 +44,7 @@ from pirate_sm.core.units import (
     QuantityError,
     read_quantity,
 )
+from pirate_sm.lab.campaign.sensitivity_model import Sensitivity
 
 _QUANTITIES: Mapping[Dimension, Any] = {LENGTH: Length, TIME: Duration, DIMENSIONLESS: Ratio}
 
@@ -330,6 +331,7 @@ class Campaign(RunChoices):
         missions: The missions; a name, a path, or a mapping with choices of its own.
         confidence: Of all intervals.
         stop: When a cell has had enough runs.
+        sensitivity: Which numbers of the robot are varied, to see which of them decide.
     """
 
     format: Format
@@ -348,6 +350,7 @@ class Campaign(RunChoices):
     ]
     confidence: Annotated[Ratio, Field(gt=0, lt=1)] = 0.95
     stop: StoppingRule = StoppingRule()
+    sensitivity: Sensitivity | None = None
 
 
 Line: TypeAlias = Annotated[str, StringConstraints(min_length=1, max_length=400)]

@@ -9,7 +9,7 @@ import pickle
 import traceback
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import nan
 from pathlib import Path
 from time import monotonic
@@ -25,6 +25,7 @@ from pirate_sm.core.options import JITTER
 from pirate_sm.core.units import DIMENSIONLESS, LENGTH, parse_quantity, unit_of
 from pirate_sm.lab.campaign.campaign_model import TrueEnd
 from pirate_sm.lab.campaign.plan import code_version
+from pirate_sm.lab.campaign.sensitivity_model import Factor
 from pirate_sm.lab.campaign.watched_run import RunVerdict, judge, watched_run
 from pirate_sm.running.wiring import Order
 from pirate_sm.simulation.defects import drawn
@@ -43,22 +44,6 @@ _UNITS = {
     **{"stiffness": "Nm/rad", "static": "", "kinetic": ""},
 }
 """The SI units of the numbers of a twin."""
-
-
-class Factor(NamedTuple):
-    """A number that each run of a cell draws, uniformly unless from the sample of a twin.
-
-    Attributes:
-        name: One of ``FROM_FILES``, the number of a defect: its name, ``_`` and the key, or of a
-            twin: its motor, ``_`` and the key.
-        unit: The SI unit; empty for a share.
-        low: Its least value; likewise ``high``.
-    """
-
-    name: str
-    unit: str
-    low: float
-    high: float
 
 
 def factors_of(order: Order) -> tuple[Factor, ...]:
@@ -106,7 +91,8 @@ def drawn_factors(order: Order, profile: Profile) -> Mapping[str, float]:
         name.replace(" ", "_"): column[order.seed % len(column)]
         for name, column in _sampled(order).items()
     }
-    return {each.name: values[each.name] for each in factors_of(order)}
+    found = {each.name: values[each.name] for each in factors_of(order)}
+    return found | {name: parse_quantity(text).value for name, text in order.numbers.items()}
 
 
 def _numbers(defects: Sequence[str]) -> Iterator[tuple[str, str]]:
@@ -148,6 +134,7 @@ class RunRow(NamedTuple):
         short_m: How far a wheel was short of where the last word says; NaN if none was said.
         deepest_m: How deep a wheel or link was in a wall, at most; NaN if unknown.
         drawn: What it has drawn from its seed, see :mod:`pirate_sm.lab.campaign.chunk`.
+        slip_m: How much farther its wheels have rolled than it has moved; NaN if unknown.
     """
 
     cell: str
@@ -162,6 +149,7 @@ class RunRow(NamedTuple):
     short_m: float
     deepest_m: float
     drawn: Mapping[str, float] = {}
+    slip_m: float = nan
 
 
 class Sent(NamedTuple):
@@ -185,7 +173,8 @@ class Chunk:
         order: What is run.
         end: What must be true when the mission has succeeded.
         mission: Key of its loaded mission.
-        seeds: The seeds.
+        seeds: The seeds; the numbers of the runs if these vary the robot.
+        varied: The seed of each of these runs, and its numbers.
     """
 
     cell: str
@@ -193,6 +182,11 @@ class Chunk:
     end: TrueEnd
     mission: str
     seeds: tuple[int, ...]
+    varied: Mapping[int, Order] = field(default_factory=dict)
+
+    def order_of(self, seed: int) -> Order:
+        """Return the order of a run."""
+        return self.varied.get(seed) or replace(self.order, seed=seed)
 
 
 _loaded: OrderedDict[str, LoadedMission] = OrderedDict()
@@ -234,7 +228,7 @@ def loaded_mission(sent: Sent) -> LoadedMission:
 
 def run_seed(chunk: Chunk, loaded: LoadedMission, seed: int) -> RunRow:
     """Run a mission with one seed; whatever exception it raises is its outcome."""
-    order, drawn = replace(chunk.order, seed=seed), dict[str, float]()
+    order, drawn = chunk.order_of(seed), dict[str, float]()
     try:
         drawn |= drawn_factors(order, loaded.loaded_robot.profile)
         outcome = watched_run(order, loaded, slides=False)
@@ -254,6 +248,7 @@ def run_seed(chunk: Chunk, loaded: LoadedMission, seed: int) -> RunRow:
         outcome.short_m,
         outcome.deepest_m,
         drawn,
+        outcome.slip_m if chunk.varied else nan,  # else a row would take 8 bytes more
     )
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from datetime import UTC, datetime
 from itertools import groupby, islice
 from math import inf
@@ -30,7 +29,7 @@ from pirate_sm.lab.campaign.chunk import (
     loaded_mission,
 )
 from pirate_sm.lab.campaign.crew import ChunkRunner, DaskCrew
-from pirate_sm.lab.campaign.plan import FORMAT, CampaignPlan, Cell, code_version, plan_of
+from pirate_sm.lab.campaign.plan import FORMAT, CampaignPlan, Cell, code_version, plan_of, varied
 from pirate_sm.lab.campaign.store import DamagedMarkError, Store
 from pirate_sm.lab.campaign.tally import Tally
 from pirate_sm.lab.campaign.watched_run import finished
@@ -205,7 +204,9 @@ class Conductor:
 
 def chunk_of(cell: Cell, seeds: Iterable[int]) -> Chunk:
     """Return the chunk with some seeds of a cell."""
-    return Chunk(cell.key, cell.order, cell.end, cell.mission, tuple(seeds))
+    runs, design = tuple(seeds), cell.design
+    orders = {run: varied(cell, run, design.drawn(run)) for run in runs} if design else {}
+    return Chunk(cell.key, cell.order, cell.end, cell.mission, runs, orders)
 
 
 # --- runs that are recorded ----------------------------------------------------------------------
@@ -244,7 +245,7 @@ def _recorded(chunk: Chunk, sent: Sent, seed: int) -> Recorded:
     with TemporaryDirectory() as folder:
         path = Path(folder) / "run.mcap"
         with suppress(Exception):  # it was an outcome already, and is none of the recording
-            prepared = prepare(replace(chunk.order, seed=seed), loaded_mission(sent))
+            prepared = prepare(chunk.order_of(seed), loaded_mission(sent))
             header = run_header(prepared, inf, datetime.now(UTC).astimezone())
             recording = RunRecorder(prepared, header, new_recording(path, header))
             try:

@@ -15,6 +15,7 @@ from pirate_sm.lab.campaign.results import (
     FactorResult,
     TimeCounts,
 )
+from pirate_sm.lab.campaign.sensitivity import Decided
 from pirate_sm.views.drawing.svg.plot import Plot, PlotSeries
 from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
@@ -31,6 +32,9 @@ _MOST_SEEDS = 20
 
 _MOST_DRAWN = 200
 """The most cells with plots: of more the page would be too large to be shown."""
+
+_MOST_BARS = 12
+_HALF_BAR = 0.36
 
 _UNITS = {"m": ("mm", 1e3), "": ("%", 100.0)}
 """The unit in which numbers are shown instead of their own, and how many of it make up one."""
@@ -123,7 +127,8 @@ def _section(
 
 
 def _plots(cell: CellResult) -> Iterator[Plot]:
-    """Yield success against each factor that the runs have drawn, and how long they have taken."""
+    """Yield what decides, success against each factor that is drawn, and how long runs took."""
+    yield from (_tornado(each) for each in cell.decided if each.numbers)
     yield from map(_against, cell.factors)
     if cell.took is not None:
         yield _histogram(cell.took)
@@ -142,13 +147,43 @@ def _against(factor: FactorResult) -> Plot:
         upper=[100 * factor.most[part] for part in known],
     )
     shares = [100 * factor.passed[part] / factor.runs[part] for part in known]
-    name = factor.name.removesuffix("_m").replace("_", " ")
+    name = _plain(factor.name.removesuffix("_m"))
     return Plot(
         f"Success against {name}",
         f"{'difference from the files' if factor.name in FROM_FILES else name}, {unit}",
         "passed, %",
         (interval, PlotSeries("", middles, shares), PlotSeries("", middles, shares, "dots")),
     )
+
+
+def _tornado(found: Decided) -> Plot:
+    """Return how much each number decides, the most at the top, to the side to which it moves it.
+
+    A number's own share of the variance is darker than what it decides with others.
+    """
+    bars = list[PlotSeries]()
+    shown = found.numbers[:_MOST_BARS][::-1]
+    for row, each in enumerate(shown):
+        side = -1.0 if each.correlation < 0.0 else 1.0
+        size, half_width = each.size
+        for length in (size, max(each.indices.get("first", 0.0), 0.0)):
+            below, above = [row - _HALF_BAR] * 2, [row + _HALF_BAR] * 2
+            bars.append(PlotSeries("", [0.0, side * length], below, "band", upper=above))
+        ends = [side * max(size - half_width, 0.0), side * (size + half_width)]
+        bars.append(PlotSeries("", ends, [row] * 2))
+    size_name, *_ = found.numbers[0].indices
+    unit = f", {found.unit}" if found.method == "morris" and found.unit else ""
+    index = f"{size_name.replace('_', ' ')} index" if found.method == "sobol" else "mu*"
+    names = tuple(_plain(each.name) for each in shown)
+    label = f"less ← {index}{unit} → more {found.outcome}"
+    return Plot(f"What decides {found.outcome}", label, "", tuple(bars), y_names=names)
+
+
+def _plain(name: str) -> str:
+    """Return the name of a number of the robot as it is read: ``bend stall torque``."""
+    for group in ("motors.", "joints."):
+        name = name.removeprefix(group)
+    return name.replace(".", " ").replace("_", " ")
 
 
 def _histogram(took: TimeCounts) -> Plot:

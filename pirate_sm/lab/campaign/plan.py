@@ -18,6 +18,7 @@ from pirate_sm.core.models import LineFaults
 from pirate_sm.core.options import OPTIONS, written
 from pirate_sm.core.units import DIMENSIONLESS, TIME
 from pirate_sm.lab.campaign.campaign_model import Expectation, StoppingRule, TrueEnd
+from pirate_sm.lab.campaign.sensitivity import Design
 from pirate_sm.running.wiring import Order
 
 FORMAT = 1
@@ -51,6 +52,8 @@ class Cell:
         expect: Least shares of its runs.
         key: Digest of all that its results depend on but the seed.
         mission: Key of its loaded mission in :attr:`CampaignPlan.missions`.
+        design: How its runs vary the robot, which are counted where others have seeds; None: they
+            do not.
     """
 
     row: str
@@ -61,6 +64,7 @@ class Cell:
     expect: Expectation
     key: str
     mission: str = ""
+    design: Design | None = None
 
     @property
     def name(self) -> str:
@@ -134,6 +138,14 @@ def _faults_of(error: ValidationError) -> Iterator[str]:
         place = ".".join(map(str, each["loc"]))
         missing = each["type"] == "missing"
         yield f"`{place}` is missing" if missing else f"`{place}`: {each['msg']}"
+
+
+def varied(cell: Cell, seed: int, drawn: Mapping[str, float]) -> Order:
+    """Return the order of a run, for which a sensitivity has drawn some numbers."""
+    if cell.design is None:
+        return replace(cell.order, seed=seed)
+    numbers = cell.design.written(drawn)
+    return replace(cell.order, seed=seed // cell.design.block, numbers=numbers)
 
 
 def command_of(order: Order, seed: int) -> str:

@@ -17,7 +17,8 @@ from pirate_sm.core.visible import visible
 from pirate_sm.lab.campaign.campaign_model import Expectation
 from pirate_sm.lab.campaign.conductor import recording_name
 from pirate_sm.lab.campaign.intervals import wilson
-from pirate_sm.lab.campaign.plan import CampaignPlan, command_of
+from pirate_sm.lab.campaign.plan import CampaignPlan, command_of, varied
+from pirate_sm.lab.campaign.sensitivity import Decided, decided
 from pirate_sm.lab.campaign.store import RECORDINGS
 from pirate_sm.lab.campaign.tally import Cause, FactorCount, Tally
 
@@ -112,6 +113,7 @@ class CellResult:
         causes: Why runs did not pass, or were not safe; the most frequent first.
         factors: How success goes with what runs draw.
         took: How long runs have taken; None without runs.
+        decided: Which numbers of the robot decide what its runs come to, if these are varied.
     """
 
     name: str
@@ -137,6 +139,7 @@ class CellResult:
     causes: tuple[CauseResult, ...]
     factors: tuple[FactorResult, ...]
     took: TimeCounts | None
+    decided: tuple[Decided, ...] = ()
 
     @property
     def share(self) -> float | None:
@@ -250,6 +253,7 @@ def _cell(tally: Tally, recordings: Path) -> CellResult:
         tuple(_cause(tally, each, recordings) for each in found),
         tuple(_factor(each, tally.confidence) for each in tally.factors if any(each.runs)),
         _took(tally.times_s, tally.others_s),
+        () if cell.design is None else decided(cell.design, tally.outcomes, tally.confidence),
     )
 
 
@@ -286,6 +290,7 @@ def _frequent(cause: Cause) -> tuple[int, str]:
 
 
 def _cause(tally: Tally, cause: Cause, recordings: Path) -> CauseResult:
+    order = varied(tally.cell, cause.seeds[0], cause.drawn)
     places = {seed: recordings / recording_name(tally, seed) for seed in cause.seeds}
     return CauseResult(
         cause.verdict,
@@ -293,7 +298,7 @@ def _cause(tally: Tally, cause: Cause, recordings: Path) -> CauseResult:
         cause.varies,
         cause.count,
         tuple(cause.seeds),
-        command_of(tally.cell.order, cause.seeds[0]),
+        command_of(order, order.seed),
         {seed: str(place) for seed, place in places.items() if is_there(place)},
     )
 
@@ -329,10 +334,20 @@ def _lines(result: CampaignResult) -> Iterator[str]:
             yield f"    {cell.incomplete}"
         for cause in cell.causes:
             yield from _cause_lines(cause)
+        for each in cell.decided:
+            yield from _decided_lines(each)
     for name in result.left_out:
         yield f"{name}: not run, a cell before it is not as expected"
     yield result.summary
     yield f"results in {shlex.quote(result.results)}"
+
+
+def _decided_lines(found: Decided) -> Iterator[str]:
+    """Yield which numbers decide an outcome, with the indices of the method and intervals."""
+    width = max((len(each.name) for each in found.numbers), default=0)
+    yield f"    {found.outcome}: {found.summary}"
+    for each in found.numbers:
+        yield f"        {each.name:{width}}  {each.words}"
 
 
 def _cause_lines(cause: CauseResult) -> Iterator[str]:

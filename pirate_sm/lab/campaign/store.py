@@ -42,7 +42,7 @@ _MOST_FILES = 64
 _TYPES = {str: "string", int: "int64", float: "float64", bool: "bool_"}
 
 _PLAIN = tuple(name for name in RunRow._fields if name != "drawn")
-"""The fields of a row that are a column of their own."""
+"""The fields of a row that are a column of their own; earlier files lack those with a default."""
 
 _DRAWN = "drawn_"
 """Begins the names of columns of what a run has drawn."""
@@ -305,7 +305,7 @@ def _table_in(file: Path) -> ArrowTable:
     except (OSError, ValueError, pyarrow.ArrowException) as error:
         why = (getattr(error, "strerror", None) or str(error)).partition("\n")[0]
         raise _DamagedError(why) from None
-    if missing := sorted({*_PLAIN} - {*table.column_names}):
+    if missing := sorted({*_PLAIN} - {*table.column_names} - RunRow._field_defaults.keys()):
         raise _DamagedError(
             f"its columns are those of another version: {', '.join(missing)} is not there"
         )
@@ -315,11 +315,12 @@ def _table_in(file: Path) -> ArrowTable:
 def _rows_in(table: ArrowTable) -> list[RunRow]:
     """Return the rows of a table; what they have drawn is unknown in older ones."""
     names = [name for name in table.column_names if name.startswith(_DRAWN)]
-    columns = [table.column(name).to_pylist() for name in (*_PLAIN, *names)]
+    plain = [name for name in _PLAIN if name in table.column_names]
+    columns = [table.column(name).to_pylist() for name in (*plain, *names)]
     keys = [name.removeprefix(_DRAWN) for name in names]
     found = []
     for row in zip(*columns, strict=True):
-        drawn = zip(keys, row[len(_PLAIN) :], strict=True)
+        drawn = zip(keys, row[len(plain) :], strict=True)
         known = {key: value for key, value in drawn if value is not None}
-        found.append(RunRow(*row[: len(_PLAIN)])._replace(drawn=known))
+        found.append(RunRow(drawn=known, **dict(zip(plain, row, strict=False))))
     return found

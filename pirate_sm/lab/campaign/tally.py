@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import re
 from array import array
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import isnan
+from math import isnan, nan
 from typing import Literal
 
 from pirate_sm.lab.campaign.campaign_model import StoppingRule
-from pirate_sm.lab.campaign.chunk import Factor, RunRow, factors_of
+from pirate_sm.lab.campaign.chunk import RunRow, factors_of
 from pirate_sm.lab.campaign.intervals import Interval, fisher_exact, mcnemar_exact, wilson
 from pirate_sm.lab.campaign.plan import Cell
+from pirate_sm.lab.campaign.sensitivity import RunOutcome
+from pirate_sm.lab.campaign.sensitivity_model import Factor
 
 _MOST_SEEDS = 100
 """The most seeds that are kept for each cause."""
@@ -67,6 +69,7 @@ class Cause:
         varies: Whether the numbers in the reason are others in other runs.
         count: How many runs.
         seeds: The first of their seeds.
+        drawn: What the first of them has drawn.
     """
 
     verdict: str
@@ -74,6 +77,7 @@ class Cause:
     varies: bool = False
     count: int = 0
     seeds: list[int] = field(default_factory=list)
+    drawn: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass
@@ -94,6 +98,7 @@ class Tally:
             that passed; None if no word was said.
         unsafe_causes: Which rules of safety were broken.
         causes: Why the others did not pass, by verdict and reason.
+        outcomes: What each run has come to, and the numbers of its robot, if these are varied.
         decided: Whether no further run counts.
     """
 
@@ -114,13 +119,16 @@ class Tally:
     factors: tuple[FactorCount, ...] = ()
     causes: dict[tuple[str, str], Cause] = field(default_factory=dict)
     unsafe_causes: dict[tuple[str, str], Cause] = field(default_factory=dict)
+    outcomes: list[tuple[RunOutcome, Sequence[float]]] = field(default_factory=list)
     decided: bool = False
     _waiting: dict[int, RunRow] = field(default_factory=dict)
     _positions: dict[int, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.factors:
-            self.factors = tuple(map(FactorCount, factors_of(self.cell.order)))
+            design = self.cell.design
+            varied = (*factors_of(self.cell.order), *(design.numbers if design else ()))
+            self.factors = tuple(map(FactorCount, varied))
         if not isinstance(self.cell.seeds, range):
             self._positions = {seed: n for n, seed in enumerate(self.cell.seeds)}
 
@@ -197,6 +205,10 @@ class Tally:
         for each in self.factors:
             if each.factor.name in row.drawn:
                 each.count(row.drawn[each.factor.name], row.verdict == "passed")
+        if self.cell.design is not None:
+            drawn = [row.drawn.get(each.name, nan) for each in self.cell.design.numbers]
+            outcome = RunOutcome(row.verdict == "passed", row.time_s, row.slip_m)
+            self.outcomes.append((outcome, drawn))
         if row.verdict == "passed":
             self.times_s.append(row.time_s)
             if not isnan(row.short_m):
@@ -206,9 +218,9 @@ class Tally:
                 )
         else:
             self.others_s.append(row.time_s)
-            _note(self.causes, row.verdict, row.why, row.seed)
+            _note(self.causes, row.verdict, row.why, row)
         if row.unsafe:
-            _note(self.unsafe_causes, "unsafe", row.unsafe, row.seed)
+            _note(self.unsafe_causes, "unsafe", row.unsafe, row)
 
     def _decide(self) -> None:
         limit = self.stop.half_width
@@ -219,13 +231,13 @@ class Tally:
         )
 
 
-def _note(causes: dict[tuple[str, str], Cause], verdict: str, why: str, seed: int) -> None:
+def _note(causes: dict[tuple[str, str], Cause], verdict: str, why: str, row: RunRow) -> None:
     alike = _MEASURED.sub("…", why)
-    cause = causes.setdefault((verdict, alike), Cause(verdict, why))
+    cause = causes.setdefault((verdict, alike), Cause(verdict, why, drawn=row.drawn))
     cause.count += 1
     cause.varies |= why != cause.why
     if len(cause.seeds) < _MOST_SEEDS:
-        cause.seeds.append(seed)
+        cause.seeds.append(row.seed)
 
 
 # --- two campaigns -------------------------------------------------------------------------------

@@ -96,6 +96,7 @@ class Outcome:
         late_m: Each word that was reported, and how far its wheel was beyond the word's point then,
             by the truth; negative: the word came too early.
         deepest_m: How deep a wheel or link was in a wall, at most; NaN if unknown.
+        slip_m: How much farther its wheels have rolled than it has moved, a mean; NaN if unknown.
         took_s: How long the run has taken, without what was looked at afterwards; ``cpu_s`` is
             the time of its processor, without preparation.
     """
@@ -118,6 +119,7 @@ class Outcome:
     short_m: float
     late_m: tuple[tuple[str, float], ...]
     deepest_m: float = nan
+    slip_m: float = nan
     took_s: float = field(default=0.0, compare=False, repr=False)
     cpu_s: float = field(default=0.0, compare=False, repr=False)
 
@@ -192,6 +194,7 @@ def finished(
         _short_m(prepared, notes.word, notes.travel, real.arcs_m),
         tuple(notes.late_m),
         _deepest_m(prepared.backend),
+        _slip_m(prepared.backend, real),
         took_s,
         cpu_s,
     )
@@ -201,6 +204,15 @@ def _deepest_m(backend: object) -> float:
     """Return how deep a wheel or link was in a wall; only the kernel in space knows."""
     robot = getattr(backend, "robot", None)
     return float(getattr(getattr(robot, "physics", None), "deepest_m", nan))
+
+
+def _slip_m(backend: object, truth: FullTruth) -> float:
+    """Return how much farther the wheels have rolled than the robot has moved, either way."""
+    robot = getattr(backend, "robot", None)
+    if robot is None:
+        return nan
+    turned = [abs(each) for each in robot.values("wheel")]  # on opposite walls opposite ways
+    return float(sum(turned)) / len(turned) * truth.wheel_radius_m - abs(truth.distance_m)
 
 
 def _short_m(prepared: Prepared, name: str, travel: int, arcs_m: Sequence[float]) -> float:

@@ -112,7 +112,7 @@ def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equi
     pipe = loaded.pipe
     assert pipe is not None  # as check_order has seen
     backend = SimulatorBackend(
-        simulated_profile(loaded.loaded_robot.profile, order.twin, order.seed),
+        simulated_profile(loaded.loaded_robot.profile, order.twin, order.seed, order.numbers),
         pipe,
         seed=order.seed,
         start_values=start_values(loaded),
@@ -232,7 +232,7 @@ def _bay(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     plan = read_plan(robot.folder, robot.profile, loaded.robot)
     line = order.line or LineFaults()
     bay = VirtualBay(
-        simulated_profile(robot.profile, order.twin, order.seed),
+        simulated_profile(robot.profile, order.twin, order.seed, order.numbers),
         loaded.pipe,
         message_texts(robot.folder, robot.profile),
         Switches(

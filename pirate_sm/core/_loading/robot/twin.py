@@ -2,35 +2,82 @@
 
 from __future__ import annotations
 
+import json
+import re
+from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
+from pirate_sm.core._loading.problems import Path as Keys
 from pirate_sm.core._loading.problems import Problems
 from pirate_sm.core._loading.references import FileKind, refuse_other
-from pirate_sm.core._loading.yaml.document import Document, read_document
+from pirate_sm.core._loading.yaml.document import Document, parse_document, read_document
 from pirate_sm.core._loading.yaml.validation import try_validate
 from pirate_sm.core._model.robot.body import Motor
 from pirate_sm.core._model.robot.profile import Profile
-from pirate_sm.core._model.robot.simulation import MotorNumbers, Twin
+from pirate_sm.core._model.robot.simulation import Friction, MotorNumbers, Twin
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.units import DIMENSIONLESS, QuantityError, read_quantity
 
 _OF_ONE_KIND = {"hold_torque": "geared", "dead_drag": "geared", "stiffness": "sprung_worm"}
 """Numbers that only one kind of motor has."""
 
 
-def simulated_profile(profile: Profile, twin: str | None, seed: int = 0) -> Profile:
+_NUMBER = re.compile(r"(?:(?:motors|joints)\.\w+|friction|noise|tyre)\.\w+")
+_NUMBERS = "expected motors.KIND.KEY, joints.JOINT.KEY, friction.KEY, noise.KEY or tyre.KEY"
+
+
+def simulated_profile(
+    profile: Profile,
+    twin: str | None,
+    seed: int = 0,
+    numbers: Mapping[str, str] = MappingProxyType({}),
+) -> Profile:
     """Return the profile for a simulated robot, with the numbers in a file where one is named.
 
     Args:
         profile: As its file says.
         twin: A file, or a robot of its sample: see :func:`twin_named`.
         seed: Of the run.
+        numbers: More numbers, by their keys in such a file: ``motors.bend.stall_torque``. Of the
+            two coefficients of friction one alone takes the other along.
 
     Raises:
-        LoadError: Everything that is wrong with the file.
+        LoadError: Everything that is wrong with the file or the numbers.
+        UsageError: A number has no such name.
     """
-    if twin is None:
+    if twin is not None:
+        file, number = twin_named(twin, seed)
+        profile = with_twin(profile, load_twin(Path(file), profile, number))
+    if not numbers:
         return profile
-    file, number = twin_named(twin, seed)
-    return with_twin(profile, load_twin(Path(file), profile, number))
+    tree: dict[str, Any] = {"format": 1, "robot": profile.robot}
+    for name, text in numbers.items():
+        if not _NUMBER.fullmatch(name):
+            raise UsageError(f"a robot has no number '{name}': {_NUMBERS}")
+        *groups, key = name.split(".")
+        inner = tree
+        for group in groups:
+            inner = inner.setdefault(group, {})
+        inner[key] = text
+        with suppress(ValueError):  # a plain number is one in files
+            inner[key] = float(text)
+    if "friction" in tree:
+        tree["friction"] = _both(tree["friction"], profile.simulation.friction)
+    document = parse_document(json.dumps(tree), "the numbers given")
+    return with_twin(profile, twin_in(document, profile))
+
+
+def _both(given: Mapping[str, Any], own: Friction) -> Mapping[str, Any]:
+    """Return numbers of friction with both coefficients; one that is left out keeps its share."""
+    coefficients = {"static": own.static, "kinetic": own.kinetic}
+    for name in coefficients.keys() & given.keys():
+        with suppress(QuantityError, ZeroDivisionError):  # the text is reported later
+            share = read_quantity(str(given[name]), DIMENSIONLESS) / coefficients[name]
+            return {key: share * value for key, value in coefficients.items()} | dict(given)
+    return coefficients | dict(given)
 
 
 def twin_named(twin: str, seed: int) -> tuple[str, int | None]:
@@ -76,8 +123,15 @@ def twin_in(document: Document, profile: Profile) -> Twin:
     return twin
 
 
-def check_twin(twin: Twin, profile: Profile, problems: Problems) -> None:
-    """Report a twin of another robot, or of motors that this one does not have."""
+def check_twin(twin: Twin, profile: Profile, problems: Problems, within: Keys = ()) -> None:
+    """Report a twin of another robot, or of motors that this one does not have.
+
+    Args:
+        twin: The twin.
+        profile: The robot's profile.
+        problems: Takes the faults.
+        within: Keys of the twin in its file, where it is a part of one.
+    """
     if twin.robot != profile.robot:
         message = f"these are numbers of '{twin.robot}', and the robot is {profile.robot}"
         problems.add("twin.robot", ("robot",), message)
@@ -90,7 +144,7 @@ def check_twin(twin: Twin, profile: Profile, problems: Problems) -> None:
         (("sample", "numbers"), "kind of motor", profile.motors, sampled),
     ):
         for name, numbers in given.items():
-            motor, at = known.get(name), (*group, name)
+            motor, at = known.get(name), (*within, *group, name)
             if motor is None:
                 problems.add_unknown("twin.motor", at, what, name, sorted(known), key=True)
                 continue
@@ -126,6 +180,11 @@ def with_twin(profile: Profile, twin: Twin) -> Profile:
     simulation = profile.simulation
     if twin.friction is not None:
         simulation = simulation.model_copy(update={"friction": twin.friction})
+    for name, numbers in (("noise", twin.noise), ("tyre", twin.tyre)):
+        if numbers is not None:
+            given = numbers.model_dump(exclude_unset=True)
+            partly = getattr(simulation, name).model_copy(update=given)
+            simulation = simulation.model_copy(update={name: partly})
     changed = {"motors": motors, "boards": boards, "simulation": simulation}
     return profile.model_copy(update=changed)
 

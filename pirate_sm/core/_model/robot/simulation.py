@@ -186,6 +186,7 @@ class Twin(Frozen):
         joints: The same of the motor of one joint, instead of those of its kind.
         friction: Between wheel and wall, instead of the profile's.
         sample: Robots that may all be this one; FILE#3 names one of them.
+        noise: Of the sensors; what is left out stays, as of ``tyre``.
     """
 
     format: Format
@@ -193,6 +194,8 @@ class Twin(Frozen):
     motors: dict[Name, MotorNumbers] = {}
     joints: dict[Name, MotorNumbers] = {}
     friction: Friction | None = None
+    noise: Noise | None = None
+    tyre: Tyre | None = None
     sample: RobotSample | None = None
 
     @model_validator(mode="after")
@@ -209,13 +212,14 @@ class Twin(Frozen):
     def drawn(self, number: int) -> Self:
         """Return a robot of the sample as a twin; after the last one comes the first again."""
         assert self.sample is not None
-        given = self.model_dump(exclude_none=True, exclude={"sample"})
+        given = self.model_dump(exclude_none=True, exclude={"sample", "noise", "tyre"})
         row = self.sample.robots[number % len(self.sample.robots)]
         for name, value in zip(self.sample.numbers, row, strict=True):
             owner, _, key = name.partition(" ")
             group = given if owner == "friction" else given["motors"]
             group.setdefault(owner, {})[key] = value
-        return type(self).model_validate(given)
+        drawn = type(self).model_validate(given)
+        return drawn.model_copy(update={"noise": self.noise, "tyre": self.tyre})
 
 
 class LineFaults(Frozen):

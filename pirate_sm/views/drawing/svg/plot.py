@@ -13,6 +13,8 @@ from pirate_sm.core.palette import CURVES
 
 _WIDTH, _HEIGHT = 640.0, 300.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62.0, 12.0, 26.0, 44.0
+_LETTER = 6.0
+"""Width of a letter, at most, in the mean of a name."""
 _TICKS = 6
 _COLOURS = len(CURVES)
 _DASHES = ("", "7 3", "2 2", "9 3 2 3")
@@ -60,6 +62,7 @@ class Plot:
         series: What is drawn, the last one on top.
         log_x: Whether the horizontal axis is logarithmic; then what is not positive is left out.
         most_y: What is higher is cut off; None: nothing.
+        y_names: What stands at 0, 1, … of the vertical axis, from below, instead of numbers.
     """
 
     title: str
@@ -68,6 +71,12 @@ class Plot:
     series: tuple[PlotSeries, ...]
     log_x: bool = False
     most_y: float | None = None
+    y_names: tuple[str, ...] = ()
+
+    @property
+    def left(self) -> float:
+        """Where the vertical axis is."""
+        return max([_LEFT, *(_LETTER * len(each) + 24.0 for each in self.y_names)])
 
 
 @dataclass(frozen=True)
@@ -87,18 +96,18 @@ class _Axis:
 def plot_svg(plot: Plot) -> str:
     """Return the plot as an SVG element."""
     shown = [(each, list(_points(each, plot))) for each in plot.series]
-    x = _axis((p[0] for _, points in shown for p in points), _LEFT, _WIDTH - _RIGHT)
+    x = _axis((p[0] for _, points in shown for p in points), plot.left, _WIDTH - _RIGHT)
     values = [v for _, points in shown for p in points for v in p[1:]]
     if plot.most_y is not None:
         values = [min(value, plot.most_y) for value in values]
     y = _axis(values, _HEIGHT - _BOTTOM, _TOP)
-    room = f'width="{_WIDTH - _LEFT - _RIGHT:g}" height="{_HEIGHT - _TOP - _BOTTOM:g}"'
+    room = f'width="{_WIDTH - plot.left - _RIGHT:g}" height="{_HEIGHT - _TOP - _BOTTOM:g}"'
     clip = f"inside-{crc32(repr(plot).encode()):x}"
     return "\n".join(
         [
             f'<svg class="plot" viewBox="0 0 {_WIDTH:g} {_HEIGHT:g}" role="img" '
             f'aria-label="{escape(plot.title)}">',
-            f'<clipPath id="{clip}"><rect x="{_LEFT:g}" y="{_TOP:g}" {room}/></clipPath>',
+            f'<clipPath id="{clip}"><rect x="{plot.left:g}" y="{_TOP:g}" {room}/></clipPath>',
             *_frame(plot, x, y),
             f'<g clip-path="url(#{clip})">',
             *(_drawn(each, points, x, y) for each, points in shown if points),
@@ -136,18 +145,20 @@ def _ticks(axis: _Axis) -> Iterator[float]:
 
 
 def _frame(plot: Plot, x: _Axis, y: _Axis) -> Iterator[str]:
-    bottom, right = _HEIGHT - _BOTTOM, _WIDTH - _RIGHT
+    left, bottom, right = plot.left, _HEIGHT - _BOTTOM, _WIDTH - _RIGHT
     for value in _x_ticks(plot, x):
         at = x.at(value)
         label = f"{10**value:g}" if plot.log_x else f"{value:g}"
         yield f'<path class="grid" d="M{at:.1f} {_TOP:g}V{bottom:g}"/>'
         yield f'<text x="{at:.1f}" y="{bottom + 15:g}" text-anchor="middle">{label}</text>'
-    for value in _ticks(y):
+    places = list(map(float, range(len(plot.y_names)))) or list(_ticks(y))
+    names = plot.y_names or [f"{value:g}" for value in places]
+    for value, name in zip(places, names, strict=True):
         at = y.at(value)
-        yield f'<path class="grid" d="M{_LEFT:g} {at:.1f}H{right:g}"/>'
-        yield f'<text x="{_LEFT - 6:g}" y="{at + 4:.1f}" text-anchor="end">{value:g}</text>'
-    middle = (_LEFT + right) / 2
-    yield f'<text class="title" x="{_LEFT:g}" y="15">{escape(plot.title)}</text>'
+        yield f'<path class="grid" d="M{left:g} {at:.1f}H{right:g}"/>'
+        yield f'<text x="{left - 6:g}" y="{at + 4:.1f}" text-anchor="end">{escape(name)}</text>'
+    middle = (left + right) / 2
+    yield f'<text class="title" x="{left:g}" y="15">{escape(plot.title)}</text>'
     yield (
         f'<text x="{middle:g}" y="{_HEIGHT - 8:g}" text-anchor="middle">'
         f"{escape(plot.x_label)}</text>"

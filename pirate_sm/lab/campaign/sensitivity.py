@@ -1,0 +1,267 @@
+"""Draws what the runs of a sensitivity vary, and finds which of it decides; SALib does both.
+
+The runs of a point differ in the robot alone: they share the seed of all noise, which so counts as
+a cause of its own and not as an effect of the numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.metadata import PackageNotFoundError, version
+from math import isfinite
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pirate_sm.core.errors import not_installed
+from pirate_sm.lab.campaign.sensitivity_model import Factor
+
+_SEED = 1
+"""Of the points and of the resamples of intervals."""
+
+_DIGITS = 6
+"""Significant digits of a number that is drawn, as the command that repeats its run has it."""
+
+_LEAST = 4
+"""Of fewer points nothing is said."""
+
+
+@dataclass(frozen=True)
+class Design:
+    """How the runs of a cell vary the robot.
+
+    Attributes:
+        method: Of Sobol or of Morris.
+        points: Points of Sobol's sequence, or Morris's paths.
+        numbers: What is drawn.
+    """
+
+    method: Literal["sobol", "morris"]
+    points: int
+    numbers: tuple[Factor, ...]
+
+    @property
+    def block(self) -> int:
+        """How many runs belong to a point."""
+        return len(self.numbers) + (2 if self.method == "sobol" else 1)
+
+    @property
+    def runs(self) -> int:
+        """How many runs there are."""
+        return self.points * self.block
+
+    def drawn(self, run: int) -> dict[str, float]:
+        """Return the numbers of a run, which is counted from 0.
+
+        Raises:
+            UsageError: SALib is not installed.
+        """
+        row = _points(self)[run].tolist()
+        return {each.name: value for each, value in zip(self.numbers, row, strict=True)}
+
+    def written(self, drawn: Mapping[str, float]) -> dict[str, str]:
+        """Return the numbers of a run as people write them."""
+        return {
+            each.name: f"{drawn[each.name]:.{_DIGITS}g} {each.unit}".strip()
+            for each in self.numbers
+            if each.name in drawn  # nothing is known of a run that lost its worker
+        }
+
+    @property
+    def digest(self) -> str:
+        """What says which points these are; other versions of a library may draw others."""
+        return repr(self) + "".join(map(_version, ("SALib", "scipy", "numpy")))
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""
+
+
+def _salib(what: Literal["sample", "analyze"], method: str) -> Any:
+    """Return a module of SALib.
+
+    Raises:
+        UsageError: It is not installed.
+    """
+    from importlib import import_module
+
+    try:
+        return import_module(f"SALib.{what}.{method}")
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != "SALib":
+            raise
+        raise not_installed("a sensitivity", "SALib", "sensitivity") from None
+
+
+def _problem(design: Design) -> dict[str, Any]:
+    return {
+        "num_vars": len(design.numbers),
+        "names": [each.name for each in design.numbers],
+        "bounds": [[each.low, each.high] for each in design.numbers],
+    }
+
+
+@lru_cache(maxsize=4)
+def _points(design: Design) -> NDArray[np.float64]:
+    """Return the numbers of each run, in rows."""
+    sample = _salib("sample", design.method).sample
+    more = {"calc_second_order": False} if design.method == "sobol" else {}
+    points: NDArray[np.float64] = sample(_problem(design), design.points, seed=_SEED, **more)
+    return points
+
+
+# --- what decides --------------------------------------------------------------------------------
+
+
+class RunOutcome(NamedTuple):
+    """What a run has come to, as far as numbers of the robot can decide it.
+
+    Attributes:
+        success: Whether it passed, 1 or 0.
+        time: Mission time, s.
+        slip: How much farther its wheels have rolled than it has moved, m; NaN if unknown.
+    """
+
+    success: float
+    time: float
+    slip: float
+
+
+Unit: TypeAlias = Literal["", "s", "m"]
+_UNITS: tuple[Unit, ...] = ("", "s", "m")
+
+_HALF_WIDTH = "_half_width"
+_INDICES = {
+    "sobol": {
+        "total": "ST",
+        "total_half_width": "ST_conf",
+        "first": "S1",
+        "first_half_width": "S1_conf",
+    },
+    "morris": {
+        "mu_star": "mu_star",
+        "mu_star_half_width": "mu_star_conf",
+        "mu": "mu",
+        "sigma": "sigma",
+    },
+}
+"""The names of indices, by ours; the first says how much a number decides."""
+
+
+@dataclass(frozen=True)
+class NumberEffect:
+    """How much a number decides.
+
+    Attributes:
+        name: Of the number.
+        correlation: With the outcome, from -1 to 1.
+        indices: Of Sobol: ``total`` and ``first``, as shares of the variance. Of Morris:
+            ``mu_star``, ``mu`` and ``sigma``, in the unit of the outcome for the whole range of the
+            number. Intervals have half a width.
+    """
+
+    name: str
+    correlation: float
+    indices: Mapping[str, float]
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """How much it decides, and half the width of the interval of that."""
+        size, half_width, *_ = self.indices.values()
+        return size, half_width
+
+    @property
+    def words(self) -> str:
+        """Its indices and correlation, human-readable."""
+        shown = []
+        for name, value in self.indices.items():
+            if not name.endswith(_HALF_WIDTH):
+                half_width = self.indices.get(name + _HALF_WIDTH)
+                more = "" if half_width is None else f" ± {half_width:.2g}"
+                shown.append(f"{name.replace('_', ' ')} {value:.3g}{more}")
+        return ", ".join((*shown, f"correlation {self.correlation:+.2f}"))
+
+
+@dataclass(frozen=True)
+class Decided:
+    """What decides an outcome.
+
+    Attributes:
+        outcome: Its name; ``unit`` is empty for a share.
+        method: Of Sobol or of Morris.
+        points: How many points count: for time and slip those whose runs all passed.
+        of: How many points were run.
+        numbers: What was varied, first what decides most; empty if all runs come to the same, or
+            too few points count.
+    """
+
+    outcome: str
+    unit: Unit
+    method: Literal["sobol", "morris"]
+    points: int
+    of: int
+    numbers: tuple[NumberEffect, ...]
+
+    @property
+    def summary(self) -> str:
+        """Which points count, and what the numbers are."""
+        which = f"{self.points} of {self.of} points count"
+        if not self.numbers:
+            return f"{which}, too few or all alike: nothing decides it here"
+        unit = f", in {self.unit}" if self.unit and self.method == "morris" else ""
+        return f"{which}{unit}"
+
+
+def decided(
+    design: Design, runs: Sequence[tuple[RunOutcome, Sequence[float]]], share: float
+) -> tuple[Decided, ...]:
+    """Return what decides each outcome.
+
+    Args:
+        design: How the runs were varied.
+        runs: What the first runs have come to, and the numbers of each, in order.
+        share: The confidence of intervals.
+
+    Raises:
+        UsageError: SALib is not installed.
+    """
+    points = len(runs) // design.block
+    whole = runs[: points * design.block]
+    x = np.array([drawn for _, drawn in whole]).reshape(points, design.block, -1)
+    y = np.array([outcome for outcome, _ in whole]).reshape(points, design.block, -1)
+    passed = y[:, :, 0].all(axis=1)
+    found = []
+    for number, (name, unit) in enumerate(zip(RunOutcome._fields, _UNITS, strict=True)):
+        counts = np.isfinite(y[:, :, number]).all(axis=1) & (passed if number else True)
+        of_runs = x[counts].reshape(-1, len(design.numbers)), y[counts][:, :, number].ravel()
+        effects = sorted(_effects(design, *of_runs, share), key=lambda each: -each.size[0])
+        found.append(Decided(name, unit, design.method, int(counts.sum()), points, tuple(effects)))
+    return tuple(found)
+
+
+def _effects(
+    design: Design, x: NDArray[np.float64], y: NDArray[np.float64], share: float
+) -> Iterator[NumberEffect]:
+    """Yield how much each number decides."""
+    if len(y) < _LEAST * design.block or np.ptp(y) == 0.0:
+        return
+    module, more = _salib("analyze", design.method), {"conf_level": share, "seed": _SEED}
+    with np.errstate(all="ignore"):  # some resamples may have runs of one outcome only
+        if design.method == "sobol":
+            indices = module.analyze(_problem(design), y, calc_second_order=False, **more)
+        else:
+            indices = module.analyze(_problem(design), x, y, **more)
+        for number, each in enumerate(design.numbers):
+            known = {
+                ours: float(indices[theirs][number])
+                for ours, theirs in _INDICES[design.method].items()
+            }
+            if all(map(isfinite, known.values())):
+                correlation = float(np.corrcoef(x[:, number], y)[0, 1])
+                yield NumberEffect(each.name, correlation, known)
