@@ -101,7 +101,7 @@ def predict(
 ) -> list[Predicted]:
     """Return what robots that fit the first half of a recording predict of the second.
 
-    What all of them do alike, such as a wait of 4 s, is no prediction and is left out.
+    What all of them do alike, such as a wait of 4 s, is not a prediction and is left out.
 
     Raises:
         UsageError: It is a table, or no robot can run the mission, as without a pipe.

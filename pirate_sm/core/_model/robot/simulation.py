@@ -165,7 +165,7 @@ class RobotSample(Frozen):
         for name in self.numbers:
             motor, _, key = name.partition(" ")
             if key not in ({"static", "kinetic"} if motor == "friction" else known):
-                raise ValueError(f"'{name}' is no number of a robot, such as wheel stall_torque")
+                raise ValueError(f"'{name}' is not a number of a robot, such as wheel stall_torque")
         if unlisted := [name for name in self.assumed if name not in self.numbers]:
             raise ValueError(f"'{unlisted[0]}' is assumed and is none of the numbers")
         for number, row in enumerate(self.robots):

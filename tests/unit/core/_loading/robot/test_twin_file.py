@@ -149,7 +149,7 @@ def test_a_robot_of_the_sample_is_named_by_its_number_or_by_the_seed(
 @pytest.mark.parametrize(
     ("sample", "message"),
     [
-        (SAMPLE.replace("hold_torque", "weight"), "'wheel weight' is no number of a robot"),
+        (SAMPLE.replace("hold_torque", "weight"), "'wheel weight' is not a number of a robot"),
         (SAMPLE.replace("wheel", "wing"), "kind of motor 'wing'"),
         (SAMPLE.replace("wheel", "bend"), "only a geared motor has a `hold_torque`"),
         (SAMPLE.replace("0.05, ", ""), "robot 0 has 2 numbers instead of 3"),
