@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from pirate_sm.core._engine import inputs, safety
 from pirate_sm.core._engine.consequences import settle
-from pirate_sm.core._engine.held_forces import held_force_intervals
 from pirate_sm.core._engine.mission.program import Program, signals_read, slip_watched
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
@@ -27,12 +26,12 @@ from pirate_sm.core._engine.sensing.odometry import counting
 from pirate_sm.core._engine.sensing.signal_table import observe
 from pirate_sm.core._engine.sensing.traction import with_traction
 from pirate_sm.core._engine.state import OUTSIDE, EngineState, MissionState
-from pirate_sm.core._geometry.force_intervals import ForceInterval
 from pirate_sm.core._model import events
 from pirate_sm.core._model.effects import Effect, PhaseChange, Setpoints, StateChange
 
 if TYPE_CHECKING:
     from pirate_sm.core._engine.resuming.resumption import Resumption
+    from pirate_sm.core._geometry.force_intervals import ForceInterval
 
 Effects = tuple[Effect, ...]
 
@@ -204,6 +203,9 @@ class Engine:
 
         See :func:`~pirate_sm.core._engine.held_forces.held_force_intervals`.
         """
+        # Few runs ask for them; a check never does.
+        from pirate_sm.core._engine.held_forces import held_force_intervals  # noqa: PLC0415
+
         return held_force_intervals(self.robot, state, friction, brakes_nm, is_round=is_round)
 
     def evidence(self, state: EngineState) -> dict[str, Evidence]:
