@@ -44,7 +44,7 @@ from pirate_sm.core.units import (
     QuantityError,
     read_quantity,
 )
-from pirate_sm.lab.campaign.sensitivity_model import Sensitivity
+from pirate_sm.lab.campaign.sensitivity_model import VariedRobot
 
 _QUANTITIES: Mapping[Dimension, Any] = {LENGTH: Length, TIME: Duration, DIMENSIONLESS: Ratio}
 
@@ -350,7 +350,7 @@ class Campaign(RunChoices):
     ]
     confidence: Annotated[Ratio, Field(gt=0, lt=1)] = 0.95
     stop: StoppingRule = StoppingRule()
-    sensitivity: Sensitivity | None = None
+    sensitivity: VariedRobot | None = None
 
 
 Line: TypeAlias = Annotated[str, StringConstraints(min_length=1, max_length=400)]

@@ -152,7 +152,7 @@ class DrawnNumbers(Frozen):
         return Twin(format=1, robot=robot, motors=motors, joints=joints)
 
 
-class Sensitivity(Frozen):
+class VariedRobot(Frozen):
     """Which numbers of the robot decide what its runs come to.
 
     Attributes:
@@ -168,7 +168,7 @@ class Sensitivity(Frozen):
     numbers: DrawnNumbers
 
     @model_validator(mode="after")
-    def _is_a_power_of_two(self) -> Sensitivity:
+    def _is_a_power_of_two(self) -> VariedRobot:
         if self.method == "sobol" and self.points & (self.points - 1):
             raise ValueError("`points` of Sobol's sequence are a power of two, such as 64 or 256")
         return self
