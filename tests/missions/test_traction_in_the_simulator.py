@@ -101,11 +101,11 @@ def slippery(folder: Path) -> Path:
 
 
 @pytest.mark.parametrize("way", [1, -1], ids=["up", "down"])
-def test_driving_upright_forces_are_right_within_5_percent(upright, way):
+def test_driving_upright_forces_are_right_within_6_percent(upright, way):
     samples = upright.where(lambda s: way * s["body_speed"] > 0.08)[5:]
 
     assert len(samples) > 20
-    assert max(map(abs, errors(samples))) < 0.05
+    assert max(map(abs, errors(samples))) < 0.06
 
 
 def test_blocked_forces_and_the_friction_of_the_slipping_wheel_are_right_within_5_percent(blocked):

@@ -52,7 +52,7 @@ def places(backend, *times_s):
     ("seed", "faults"),
     [
         # Once the rear is clamped the front opens to its end stop, for it has no wall there.
-        (2, [("clamp.slipping", "again"), ("clamp.lost", "regrip")]),
+        (3, [("clamp.slipping", "again"), ("clamp.lost", "regrip")]),
         pytest.param(
             6, [("clamp.slipping", "again"), ("clamp.lost", "regrip")], marks=pytest.mark.thorough
         ),
