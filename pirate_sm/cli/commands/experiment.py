@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from pirate_sm.lab.experiments.thesis_rows import ComparedRow
 
 
-CONTRADICTED = 1
-
-
+NOT_ALL_HOLD = 1
 _WIDE = 100
 
 
@@ -41,7 +39,7 @@ def run_experiment(options: ExperimentOptions) -> int:
     from pirate_sm.core import library
     from pirate_sm.core.loading import load_robot
     from pirate_sm.lab.experiments.experiment_files import chosen, load_experiments
-    from pirate_sm.lab.experiments.thesis_rows import compared
+    from pirate_sm.lab.experiments.thesis_rows import FAILED, compared
     from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
     folder = library.find_robot(options.robot, Path.cwd())
@@ -71,7 +69,7 @@ def run_experiment(options: ExperimentOptions) -> int:
         for place in filter(None, (options.csv, options.output)):
             print(visible(str(place)))
     print(_as_json(every, notes) if options.format == "json" else _summary(every))
-    return CONTRADICTED if any(each.verdict == "contradicted" for each in every) else 0
+    return NOT_ALL_HOLD if any(each.verdict in FAILED for each in every) else 0
 
 
 def _repeated(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import isnan
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
@@ -13,7 +13,14 @@ from pirate_sm.core.fields import Frozen, Number
 from pirate_sm.core.units import parse_unit
 
 Given = Literal["input", "not modelled", "impossible", "ours alone"]
-Verdict = Literal["predicted", "consistent with no effect", "contradicted"] | Given
+Verdict = Literal["predicted", "consistent with no effect", "contradicted", "not measured"] | Given
+FAILED: tuple[Verdict, ...] = ("contradicted", "not measured")
+_OF_BEFORE = {
+    "shape": "'shape' is not read any more: write its limits as 'between', with their 'source'",
+    "not reproducible": "there is no 'cannot: not reproducible' any more: write a band, 'between',"
+    " that our value misses, or 'cannot: not modelled'",
+}
+"""What stood in files of before, and what stands for it now."""
 
 
 def _in_order(limits: tuple[float, float]) -> tuple[float, float]:
@@ -57,12 +64,23 @@ class ThesisRow(Frozen):
     cannot: Given | None = None
     reason: str = ""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _is_of_today(cls, said: Any) -> Any:
+        if isinstance(said, dict):
+            for old, now in _OF_BEFORE.items():
+                if old in said or said.get("cannot") == old:
+                    raise ValueError(now)
+        return said
+
     @model_validator(mode="after")
     def _is_judged(self) -> ThesisRow:
         if self.between is None and self.cannot in (None, "input"):
             raise ValueError("expected a band, 'between', or a verdict that needs none, 'cannot'")
         if self.between is not None and not self.source:
             raise ValueError("expected the 'source' of the band")
+        if self.between is not None and self.cannot not in (None, "input"):
+            raise ValueError(f"expected no band, 'between', where it is {self.cannot}")
         return self
 
 
@@ -115,6 +133,8 @@ def _verdict(row: ThesisRow, ours: float) -> Verdict:
     if row.between is None:
         assert row.cannot is not None  # the row's own check
         return row.cannot
+    if isnan(ours):
+        return "not measured"
     low, high = row.between
     if not low <= ours <= high:
         return "contradicted"

@@ -7,12 +7,13 @@ damper alone reverses a speed from h > m / c on, and increases it from h > 2 m /
 
 from __future__ import annotations
 
-from itertools import count
-from math import sqrt
+from math import isnan, log, nan, sqrt
 
 from pirate_sm.core.models import Profile
 from pirate_sm.lab.experiments.reduced_traction import lever_m, mass_kg
 from pirate_sm.lab.experiments.setups import ExperimentResult, TractionSetup, WallContact
+
+_MOST_STEPS = 100_000
 
 
 def contact_values(profile: Profile, setup: TractionSetup, result: ExperimentResult) -> None:
@@ -32,8 +33,12 @@ def contact_values(profile: Profile, setup: TractionSetup, result: ExperimentRes
         result.values[f"contact.{name}.rebound"] = rebound_m(wall, mass, wall.step)
         result.notes.append(
             f"walls of {wall.stiffness:g} N/m and {wall.damping:g} kg/s under {mass * 1000:.0f} g:"
-            f" damping {result.values[f'contact.{name}.damping']:.1f}, bounces without end in"
-            f" explicit steps from {step_s * 1000:.2f} ms"
+            f" damping {result.values[f'contact.{name}.damping']:.1f}, "
+            + (
+                "no step from which it bounces without end was found"
+                if isnan(step_s)
+                else f"bounces without end in explicit steps from {step_s * 1000:.2f} ms"
+            )
         )
 
 
@@ -57,6 +62,13 @@ def rebound_m(wall: WallContact, mass_kg: float, step_s: float) -> float:
 
 
 def bouncing_step_s(wall: WallContact, mass_kg: float) -> float:
-    """Return the first of growing steps, each by 5 %, in which the mass never comes to rest."""
-    tried = (0.1 * mass_kg / wall.damping * 1.05**number for number in count())
-    return next(step_s for step_s in tried if rebound_m(wall, mass_kg, step_s) > 0)
+    """Return the first of growing steps, each by 5 %, in which the mass never comes to rest.
+
+    NaN if there is none among those that divide the time of watching into 4 to 100,000 (assumed),
+    or if the mass already bounces in the shortest, which no step of integration explains.
+    """
+    shortest_s = max(0.1 * mass_kg / wall.damping, wall.lasting / _MOST_STEPS)
+    numbers = range(int(log(max(wall.lasting / 4 / shortest_s, 1.0), 1.05)) + 1)
+    tried = (shortest_s * 1.05**number for number in numbers)
+    found = next((step_s for step_s in tried if rebound_m(wall, mass_kg, step_s) > 0), nan)
+    return nan if found == shortest_s else found

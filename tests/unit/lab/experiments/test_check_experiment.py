@@ -54,6 +54,8 @@ def test_a_shipped_experiment_has_no_fault(number: int) -> None:
         (2, "Unclamped, Unaligned", "Unclampt, Unaligned", "experiment.name", "'Unclampt'"),
         (2, "[Free, Free, Unclamped", "[Free, Unclamped", "experiment.name", "of each region"),
         (2, "tilts:\n  of: 2c", "tilts:\n  of: 2d", "experiment.name", "'2d'"),
+        (2, "cannot: not modelled", "cannot: not reproducible", "value", "'cannot: not modelled'"),
+        (2, "between:", "shape:", "value", "'between'"),
         (3, "curves: {of: 3d", "curves: {of: 3e", "experiment.name", "'3e'"),
         (3, "noise: slipping", "noise: sliping", "experiment.name", "level of noise 'sliping'"),
         (3, "wheels: [wheel_1", "wheels: [wheel_9", "experiment.name", "no wheel 'wheel_9'"),

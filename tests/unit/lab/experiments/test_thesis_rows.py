@@ -4,7 +4,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from pirate_sm.lab.experiments.thesis_rows import ComparedRow, ThesisRow, compared
+from pirate_sm.lab.experiments.thesis_rows import FAILED, ComparedRow, ThesisRow, compared
 
 BAND = {"between": (70, 90), "source": "printed"}
 
@@ -19,7 +19,7 @@ def judged(ours_m: float, **more: Any) -> ComparedRow:
 
 @pytest.mark.parametrize(
     ("ours_m", "verdict"),
-    [(0.8, "predicted"), (1.0, "contradicted"), (0.0, "contradicted"), (nan, "contradicted")],
+    [(0.8, "predicted"), (1.0, "contradicted"), (0.0, "contradicted"), (nan, "not measured")],
 )
 def test_a_value_is_judged_in_the_unit_of_its_row(ours_m: float, verdict: str) -> None:
     assert judged(ours_m, **BAND).verdict == verdict
@@ -41,6 +41,9 @@ def test_what_was_put_in_is_no_prediction_but_must_be_read_back() -> None:
         ({}, "expected a band"),
         ({"cannot": "input"}, "expected a band"),
         ({"between": (70, 90)}, "expected the 'source'"),
+        ({**BAND, "cannot": "impossible"}, "expected no band"),
+        ({"shape": (70, 90)}, "write its limits as 'between'"),
+        ({"cannot": "not reproducible"}, "or 'cannot: not modelled'"),
     ],
 )
 def test_a_row_has_a_band_with_its_source_or_a_verdict_that_needs_none(
@@ -68,3 +71,10 @@ def test_a_row_that_needs_no_value_is_shown() -> None:
 
     assert isnan(found.ours)
     assert found.ours_text == "–"
+
+
+def test_a_band_without_a_value_of_ours_is_not_measured() -> None:
+    (found,) = compared([ThesisRow(of="1", what="x", place="y", thesis="z", **BAND)], {})
+
+    assert found.verdict == "not measured"
+    assert found.verdict in FAILED

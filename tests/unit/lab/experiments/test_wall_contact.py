@@ -1,3 +1,5 @@
+from math import isnan
+
 import pytest
 
 from pirate_sm.lab.experiments.setups import WallContact
@@ -24,3 +26,12 @@ def test_it_never_rests_from_the_step_on_in_which_the_damper_increases_a_speed(
 def test_no_part_of_the_robot_swings_on_such_a_wall() -> None:
     for mass_kg in (0.020, 0.150, 0.770):
         assert rebound_m(WALL, mass_kg, 1e-5) == 0
+
+
+@pytest.mark.parametrize("damping", [1e-3, 1e9])
+def test_the_search_ends_where_a_wall_hardly_damps_or_no_step_is_short_enough(
+    damping: float,
+) -> None:
+    wall = WALL.model_copy(update={"damping": damping})
+
+    assert isnan(bouncing_step_s(wall, 0.020))
