@@ -238,16 +238,20 @@ def _predict(options: FitOptions) -> int:
     from pirate_sm.lab.fitting.prediction import SHARE, UNITS, coverage, predict
 
     with progress("simulating") as watch:
-        found = predict(Path(options.runs[0]), options.robots, options.workers, watch)
+        made = predict(Path(options.runs[0]), options.robots, options.workers, watch)
+    found = made.predicted
     rows = [(*each.quantity, each.from_s, each.low, each.high, each.recorded, each.held)
             for each in found]  # fmt: skip
     if options.csv:
         write_csv(options.csv, _PREDICTED_HEADER, rows)
     counts = coverage(found)
     if options.format == "json":
-        shares = {kind: {"held": held, "of": of} for kind, (held, of) in counts.items()}
+        kinds = {kind: {"held": held, "of": of, "widened": made.widened[kind]._asdict()}
+                 for kind, (held, of) in counts.items()}  # fmt: skip
         listed = [dict(zip(_PREDICTED_HEADER, row, strict=True)) for row in rows]
-        print(json.dumps({"format": 1, "share": SHARE, "kinds": shares, "predicted": listed}))
+        print(json.dumps({"format": 1, "share": SHARE, "kinds": kinds, "predicted": listed,
+                          "left_out": made.left_out, "robots": made.robots,
+                          "failed": made.failed}))  # fmt: skip
         return 0 if found else NOTHING
     for each in found:
         kind, board, command, *_ = each.quantity
@@ -256,7 +260,14 @@ def _predict(options: FitOptions) -> int:
         missed = "" if each.held else " !"
         print(visible(f"{each.from_s:8.1f} s  {what:<36} {band:<26} {each.recorded:.3g}{missed}"))
     for kind, (held, of) in counts.items():
-        print(f"{kind:<9} {held} of {of} in the {SHARE:.0%} band")
+        by = made.widened[kind]
+        few = f"not widened: only {by.values} values"
+        how = f"widened {by.factor:.2f} times" if by.known else few
+        print(f"{kind:<9} {held} of {of} in the {SHARE:.0%} band, {how}")
+    for reason, count in made.left_out.items():
+        print(f"left out  {count}: {reason}")
+    if made.failed:
+        print(f"{made.failed} of {made.robots} robots cannot run the mission")
     return 0 if found else NOTHING
 
 

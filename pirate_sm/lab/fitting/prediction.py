@@ -6,7 +6,10 @@ that bands hold the noise of a run as well as what is unknown of the robot.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from functools import partial
 from math import ceil, nan
@@ -45,9 +48,21 @@ _LEAST_READINGS = 3
 _LEAST_SHARE = 0.5
 """Of the robots that give the command, too: what becomes of fewer is another story."""
 
+LEAST_ROBOTS = 19
+"""The 5 % position (k / (n + 1), Weibull) of fewer is below their least value."""
+
+_LEAST_CALIBRATING = 9
+"""The 90 % position of fewer is above their largest value."""
+
 _KEPT_OPTIONS = ("defects", "ruler", "fidelity", "start_jitter_m", "diameter_jitter_m")
 _KINDS = DURATION, LOAD, SLIP = ("duration", "load", "slip")
 UNITS = {DURATION: "s", LOAD: "Nm", SLIP: "m/s"}
+
+_FINEST = {LOAD: 1e-3, SLIP: 1e-4}
+"""Robots that differ by less are alike [assumed]; of durations it is a cycle of the link."""
+
+_TIME_DIGITS = 6
+"""Of a duration: what a difference of two times has beyond is rounding."""
 
 
 class CommandValue(NamedTuple):
@@ -72,6 +87,8 @@ class Predicted(NamedTuple):
 
     Attributes:
         from_s: When the command was given, in the recording.
+        alike: Whether all robots do alike, and the recorded one does not: a miss that says nothing
+            of how wide bands should be.
     """
 
     quantity: CommandValue
@@ -79,6 +96,7 @@ class Predicted(NamedTuple):
     low: float
     high: float
     recorded: float
+    alike: bool = False
 
     @property
     def held(self) -> bool:
@@ -96,12 +114,42 @@ class Predicted(NamedTuple):
         return self._replace(low=max(middle - half, 0.0), high=middle + half)
 
 
+class Widening(NamedTuple):
+    """How many times as wide the bands of a kind were made, by how many values."""
+
+    factor: float
+    values: int
+
+    @property
+    def known(self) -> bool:
+        """Whether there were enough values."""
+        return self.values >= _LEAST_CALIBRATING
+
+
+class Prediction(NamedTuple):
+    """What robots predict of the second half of a recording.
+
+    Attributes:
+        predicted: The bands.
+        widened: Of each kind.
+        left_out: How many quantities of the second half have no band, by the reason.
+        failed: How many robots could not run the mission; ``robots``: of how many.
+    """
+
+    predicted: list[Predicted]
+    widened: Mapping[str, Widening]
+    left_out: Mapping[str, int]
+    failed: int
+    robots: int
+
+
 def predict(
     path: Path, robots: int, workers: int | None, watch: Callable[[float], None]
-) -> list[Predicted]:
+) -> Prediction:
     """Return what robots that fit the first half of a recording predict of the second.
 
-    What all of them do alike, such as a wait of 4 s, is not a prediction and is left out.
+    What all of them and the recorded one do alike, such as a wait of 4 s, is not a prediction and
+    is left out.
 
     Raises:
         UsageError: It is a table, or no robot can run the mission, as without a pipe.
@@ -121,10 +169,22 @@ def predict(
     if len(failed) == robots:
         raise UsageError(f"no robot can run the recorded mission in the simulator: {failed[0]}")
     known = [each for each in runs if not isinstance(each, str)]
+    first, second = list[Predicted](), list[Predicted]()
+    left_out = Counter[str]()
     begins = {_key(each): each.from_s for each in measured.commands}
-    found = list(_bands(quantities(measured), known, begins))
-    first = [each for each in found if each.from_s <= half_s]
-    return _widened(first, [each for each in found if each.from_s > half_s])
+    finest = {DURATION: measured.profile.link.cycle, **_FINEST}
+    for quantity, recorded in quantities(measured).items():
+        from_s = begins[quantity[2:]]
+        simulated = [each.get(quantity, nan) for each in known]
+        found = band(quantity, from_s, recorded, simulated, finest[quantity.kind])
+        if isinstance(found, Predicted):
+            (first if from_s <= half_s else second).append(found)
+        elif from_s > half_s:
+            left_out[found] += 1
+    factors = widening(first)
+    wide = [each if each.alike else each.widened(factors[each.quantity.kind].factor)
+            for each in second]  # fmt: skip
+    return Prediction(wide, factors, left_out, len(failed), robots)
 
 
 def in_processes(
@@ -133,11 +193,21 @@ def in_processes(
     workers: int | None,
     watch: Callable[[float], None],
 ) -> Iterator[Any]:
-    """Yield what a job returns for each number, in their order; processes end with the caller."""
-    with get_context("spawn").Pool(workers, signal, (SIGINT, SIG_IGN)) as pool:
-        for done, each in enumerate(pool.imap(job, numbers)):
-            watch(done / len(numbers))
-            yield each
+    """Yield what a job returns for each number, in their order.
+
+    Raises:
+        UsageError: A process was killed.
+    """
+    spawn = get_context("spawn")
+    with ProcessPoolExecutor(workers, spawn, signal, (SIGINT, SIG_IGN)) as pool:
+        try:
+            for done, each in enumerate(pool.map(job, numbers)):
+                watch(done / len(numbers))
+                yield each
+        except BrokenProcessPool:
+            raise UsageError(
+                "a process that simulates was killed, perhaps for want of memory: try --workers 1"
+            ) from None
 
 
 def _simulated(path: Path, twin: Path, number: int) -> Mapping[CommandValue, float] | str:
@@ -179,7 +249,9 @@ def quantities(measured: MeasuredFile) -> dict[CommandValue, float]:
     known: dict[CommandValue, float] = {}
     for each in measured.commands:
         meanwhile = slice(*np.searchsorted(columns["time_s"], (each.from_s, each.until_s)))
-        known[CommandValue(DURATION, "", *_key(each))] = each.until_s - each.from_s
+        known[CommandValue(DURATION, "", *_key(each))] = round(
+            each.until_s - each.from_s, _TIME_DIGITS
+        )
         for board, loads in boards.items():
             known[CommandValue(LOAD, board, *_key(each))] = _mean(loads, meanwhile)
         known[CommandValue(SLIP, "", *_key(each))] = _mean(slips, meanwhile)
@@ -207,44 +279,54 @@ def _mean(values: Sequence[Any], meanwhile: slice) -> float:
     return float(np.mean(known)) if len(known) >= _LEAST_READINGS * len(parts) > 0 else nan
 
 
-def _bands(
-    recorded: Mapping[CommandValue, float],
-    runs: Sequence[Mapping[CommandValue, float]],
-    begins: Mapping[tuple[str, str, int], float],
-) -> Iterator[Predicted]:
-    """Yield the band of each quantity that is known in enough runs.
+def band(
+    quantity: CommandValue,
+    from_s: float,
+    recorded: float,
+    simulated: Sequence[float],
+    finest: float,
+) -> Predicted | str:
+    """Return the band of a quantity, or why it has none.
 
     Of n values as likely as the recorded one, a band from the kth to the kth last holds it with
     (n + 1 - 2 k) / (n + 1): quantiles are taken so (Weibull).
+
+    Args:
+        quantity: What is predicted.
+        from_s: When its command was given.
+        recorded: Its value; NaN if unknown.
+        simulated: That of each robot.
+        finest: Robots that differ by less are alike.
     """
+    if not np.isfinite(recorded):
+        return "unknown in the recording"
+    values = np.array([each for each in simulated if np.isfinite(each)])
+    needed = max(LEAST_ROBOTS, ceil(_LEAST_SHARE * len(simulated)))
+    if len(values) < needed:
+        return f"known of fewer than {needed} robots"
     tails = (1 - SHARE) / 2
-    for quantity, value in recorded.items():
-        from_s = begins[quantity[2:]]
-        simulated = np.array([each.get(quantity, nan) for each in runs])
-        simulated = simulated[np.isfinite(simulated)]
-        if not np.isfinite(value):
-            continue
-        if len(simulated) < _LEAST_SHARE * len(runs):
-            continue
-        low, high = np.quantile(simulated, [tails, 1 - tails], method="weibull")
-        if low < high:
-            yield Predicted(quantity, from_s, float(low), float(high), value)
+    low, high = map(float, np.quantile(values, [tails, 1 - tails], method="weibull"))
+    alike = high - low < finest
+    if alike and low - finest <= recorded <= high + finest:
+        return "all robots do alike"
+    return Predicted(quantity, from_s, low, high, recorded, alike)
 
 
-def _widened(first: Sequence[Predicted], second: Sequence[Predicted]) -> list[Predicted]:
-    """Return bands of the second half, wide enough for the first one, for each kind.
+def widening(first: Sequence[Predicted]) -> dict[str, Widening]:
+    """Return how many times as wide the bands of each kind must be to hold their share.
 
-    The factor is that with which the bands of the first half hold their share of it (split
-    conformal prediction: Vovk, Gammerman and Shafer, Algorithmic Learning in a Random World, 2005).
-    It is the error of the method, which no draw knows; bands are never made narrower.
+    They are those of the first half. The robots were fitted to it, so what its bands miss is at
+    least the error of the method, which no draw knows, and may be less than that of the second
+    half. Bands are never made narrower.
     """
-    factors = dict.fromkeys(_KINDS, 1.0)
+    found = dict[str, Widening]()
     for kind in _KINDS:
-        off = sorted(each.off for each in first if each.quantity.kind == kind)
-        needed = ceil((len(off) + 1) * SHARE)
-        if off and needed <= len(off):
-            factors[kind] = max(1.0, off[needed - 1])
-    return [each.widened(factors[each.quantity.kind]) for each in second]
+        off = sorted(each.off for each in first if each.quantity.kind == kind and not each.alike)
+        factor = 1.0
+        if len(off) >= _LEAST_CALIBRATING:
+            factor = max(1.0, off[ceil((len(off) + 1) * SHARE) - 1])
+        found[kind] = Widening(factor, len(off))
+    return found
 
 
 def coverage(found: Sequence[Predicted]) -> dict[str, tuple[int, int]]:

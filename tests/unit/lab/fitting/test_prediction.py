@@ -1,3 +1,4 @@
+import os
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +13,12 @@ from pirate_sm.lab.fitting.prediction import (
     SLIP,
     CommandValue,
     Predicted,
+    band,
     coverage,
     in_processes,
     predict,
     quantities,
+    widening,
 )
 
 MISSION = """
@@ -104,6 +107,44 @@ def test_a_band_is_widened_about_its_middle_and_not_below_zero() -> None:
     assert band.widened(band.off).held
 
 
+WAIT = CommandValue(DURATION, "", "DriveForward", "m.yaml:1:1", 0)
+
+
+def test_a_wait_that_all_robots_do_alike_is_no_prediction_whatever_its_rounding() -> None:
+    alike = [4.0 + number * 1e-16 for number in range(64)]
+
+    assert band(WAIT, 5.0, 4.02, alike, 0.05) == "all robots do alike"
+
+
+def test_what_only_the_recorded_robot_does_otherwise_is_a_miss_that_widens_nothing() -> None:
+    found = band(WAIT, 5.0, 9.0, [4.0] * 64, 0.05)
+
+    assert isinstance(found, Predicted)
+    assert not found.held
+    others = [Predicted(WAIT, 5.0, 1.0, 3.0, 2.0)] * 9
+    assert widening([found] * 9 + others)[DURATION] == (1.0, 9)
+
+
+@pytest.mark.parametrize(("known", "reason"), [(18, "fewer than 19"), (30, "fewer than 32")])
+def test_too_few_robots_make_no_band(known: int, reason: str) -> None:
+    simulated = [*np.linspace(1, 2, known), *[np.nan] * (64 - known if known > 19 else 2)]
+
+    assert reason in str(band(WAIT, 5.0, 1.5, simulated, 0.05))
+
+
+def test_bands_are_widened_by_what_they_miss_of_nine_values_or_more() -> None:
+    first = [Predicted(WAIT, 5.0, 1.0, 3.0, value) for value in (2, 2, 2, 2, 2, 2, 2, 2, 5)]
+
+    assert widening(first)[DURATION] == (3.0, 9)
+    assert widening(first[1:])[DURATION] == (1.0, 8)
+    assert not widening(first[1:])[DURATION].known
+
+
+def test_a_process_that_is_killed_is_told() -> None:
+    with pytest.raises(UsageError, match="a process that simulates was killed"):
+        list(in_processes(os._exit, [3], 1, lambda share: None))
+
+
 def test_processes_return_results_in_order() -> None:
     assert list(in_processes(abs, [-1, 2, -3], 2, lambda share: None)) == [1, 2, 3]
 
@@ -117,10 +158,13 @@ def test_a_table_predicts_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.thorough
 def test_the_second_half_is_predicted_by_the_robots_of_the_first(recording: Path) -> None:
-    found = predict(recording, 19, 2, lambda share: None)
+    made = predict(recording, 24, 2, lambda share: None)
+    found = made.predicted
 
     held, of = (sum(column) for column in zip(*coverage(found).values(), strict=True))
     assert of > 15
     assert held / of > 0.7
     middle_s = read_measured(recording).columns["time_s"][-1] / 2
-    assert all(each.from_s > middle_s and each.low < each.high for each in found)
+    assert all(each.from_s > middle_s and each.low <= each.high for each in found)
+    assert made.failed < 6
+    assert made.left_out["all robots do alike"] > 0
