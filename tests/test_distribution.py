@@ -37,6 +37,7 @@ NEEDING = {
     ("parquet", "pyarrow"): (PIRATE, "export", "{run}", "--parquet", "{here}/tables"),
     ("physics", "mujoco"): (PIRATE, "run", "mitre_bend", "--backend", "physics"),
     ("ros2", "rosbags"): (PIRATE, "export", "{run}", "--ros2", "{here}/bag"),
+    ("sensitivity", "SALib"): (PIRATE, "campaign", "campaigns/sensitivity.yaml", "-o", "{here}/s"),
     ("serial", "serial"): (PIRATE, "doctor", "--port", "{here}/no_port"),
     ("serial", "rosbags"): (PIRATE, "run", "mitre_bend", "--backend", "bay"),
     ("vision", "cv2"): (PIRATE, "camera", "look", "synthetic"),

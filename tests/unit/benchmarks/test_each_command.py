@@ -28,6 +28,7 @@ SMALLEST = (
     "completion --repeats 1",
     "console --seconds 1 --stops 1",
     "fidelity --row 'round: elbow' --seeds 1",
+    "force_intervals",
     "gliding enter_2d --repeats 1",
     "kills --rounds 1",
     "learning --play 1 --learn 1 --seeds 1 --envs 1 --repeats 1",
@@ -36,6 +37,8 @@ SMALLEST = (
     "mistakes --only syntax",
     "panel --stops 1",
     "physics --repeats 1",
+    "physics_agreement",
+    "physics_properties --share 0.02",
     "recording --repeats 1 --minutes 1 --real-time 1 --bends 1",
     "recording --hours 0.02",
     "resume --virtual 0 --real 0 --lies 1 --hours 0.02",
@@ -58,7 +61,7 @@ NOT_RUN = {
     "witness": "serves a port until it is asked to end; `kills` starts it",
 }
 
-MAY_MISS_A_BAR = {"kills", "physics", "soak", "twin", "vision"}
+MAY_MISS_A_BAR = {"kills", "physics", "physics_agreement", "soak", "twin", "vision"}
 """They judge times, or numbers for which they need more, and end with exit code 1 then."""
 
 T = TypeVar("T")
