@@ -14,8 +14,6 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from pydantic_core import to_jsonable_python
-
 from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.gate import CheckError, all_pass_or_raise, pass_or_raise
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
@@ -34,10 +32,10 @@ from pirate_sm.core.documents import Path as Keys
 from pirate_sm.core.errors import PirateError, UsageError
 from pirate_sm.core.fields import LONGEST_NAME
 from pirate_sm.core.library import shown
-from pirate_sm.core.loading import LoadedMission, check_twin, references, try_validate, twin_named
-from pirate_sm.core.on_disk import is_file
+from pirate_sm.core.loading import LoadedMission, check_twin, references, try_validate
 from pirate_sm.core.options import OPTIONS
 from pirate_sm.lab.campaign.campaign_model import Campaign, Expectation, StoppingRule, TrueEnd
+from pirate_sm.lab.campaign.chunk import sampled_factors
 from pirate_sm.lab.campaign.intervals import wilson
 from pirate_sm.lab.campaign.named_parts import (
     Choices,
@@ -47,7 +45,7 @@ from pirate_sm.lab.campaign.named_parts import (
     faultless_choices,
     texts,
 )
-from pirate_sm.lab.campaign.plan import CampaignPlan, Cell, code_version
+from pirate_sm.lab.campaign.plan import CampaignPlan, Cell, code_version, key_of
 from pirate_sm.lab.campaign.sensitivity import Design
 from pirate_sm.lab.campaign.sensitivity_model import DrawnNumbers
 from pirate_sm.running.wiring import Order, load, prepare
@@ -97,7 +95,7 @@ def check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:
         LoadError: The campaign file itself cannot be read.
     """
     document = read_document(path)
-    reading = _Reading(document, path.parent, None)
+    reading = _Reading(document, path.parent, None, keyed=False)
     findings: list[Finding] = []
     try:
         reading.plan(check=False)
@@ -150,11 +148,13 @@ class _Reading:
         document: The file.
         folder: Its folder, to which paths in it refer.
         seeds: Seeds instead of the file's.
+        keyed: Whether keys tell the points of a sensitivity apart, which takes SALib.
     """
 
     document: Document
     folder: Path
     seeds: Sequence[int] | None
+    keyed: bool = True
     problems: Problems = field(init=False)
     loaded: dict[tuple[Any, ...], tuple[str, LoadedMission]] = field(default_factory=dict)
     places: dict[tuple[Any, ...], Keys] = field(default_factory=dict)
@@ -286,6 +286,7 @@ class _Reading:
             if self.drawn is not None:
                 least, profile = self.drawn.least(loaded.robot.name), loaded.loaded_robot.profile
                 check_twin(least, profile, self.problems, ("sensitivity", "numbers"))
+                self._check_ends(replace(one, seed=0), loaded)
             self._check_jitter(one, loaded, choices)
             yield Cell(
                 choices.entry.name or Path(order.mission).stem,
@@ -294,10 +295,30 @@ class _Reading:
                 seeds,
                 end,
                 choices.of("expect") or Expectation(),
-                _digest(one, loaded, end, self.design),
+                key_of(one, loaded, end, self.design if self.keyed and not self._faulty else None),
                 key,
                 self.design,
+                sampled_factors(one),
             )
+
+    @property
+    def _faulty(self) -> bool:
+        return any(each.severity is Severity.ERROR for each in self.problems.all)
+
+    def _check_ends(self, order: Order, loaded: LoadedMission) -> None:
+        """Report an end of a range with which no run can begin."""
+        if self.design is None or self._faulty:
+            return  # a motor that is not there would be reported again
+        low = {each.name: each.low for each in self.design.numbers}
+        for each in self.design.numbers:
+            for end in (each.low, each.high):
+                numbers = self.design.written({**low, each.name: end})
+                try:
+                    prepare(replace(order, numbers=numbers), loaded)
+                except (LoadError, UsageError) as error:
+                    at = ("sensitivity", "numbers", *each.name.split("."))
+                    message = f"with {numbers[each.name]} no run can begin: {error}"
+                    self.problems.add("campaign.sensitivity", at, message)
 
     def _check_end(self, end: TrueEnd, loaded: LoadedMission, choices: Choices) -> None:
         """Report an end that no robot can come to in this pipe."""
@@ -374,27 +395,3 @@ def _blamed(order: Order, loaded: LoadedMission, choices: Choices) -> Keys:
                 continue
             return choices.place(key)
     return choices.at
-
-
-def _digest(order: Order, loaded: LoadedMission, end: TrueEnd, design: Design | None) -> str:
-    """Return a digest of all that the result of a run depends on but its seed.
-
-    Files count by their content, not by their names, which may differ elsewhere.
-    """
-    twin, _ = twin_named(order.twin or "", 0)
-    which = (order.twin or "")[len(twin) :] or None
-    rest = replace(order, mission="", pipe=None, robot=None, twin=which, seed=0)
-    kind, _, camera = (order.detector or "").partition(":")
-    named = [twin, camera if kind == "vision" else ""]
-    parts = [
-        code_version(),
-        json.dumps(to_jsonable_python(rest), sort_keys=True),
-        end.model_dump_json(),
-        *([] if design is None else [design.digest]),
-        *(document.text for document in loaded.documents),
-        *(Path(each).read_text("utf-8") for each in named if each and is_file(Path(each))),
-    ]
-    digest = sha256()
-    for part in parts:
-        digest.update(part.encode() + b"\0")
-    return digest.hexdigest()[:16]

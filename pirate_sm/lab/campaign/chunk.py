@@ -47,7 +47,7 @@ _UNITS = {
 
 
 def factors_of(order: Order) -> tuple[Factor, ...]:
-    """Return what the runs of an order draw."""
+    """Return what the runs of an order draw, but for the sample of a twin."""
     found = [
         Factor(name, unit_of(each.unit or DIMENSIONLESS), -most, most)
         for name, each in zip(FROM_FILES, JITTER, strict=True)
@@ -58,12 +58,16 @@ def factors_of(order: Order) -> tuple[Factor, ...]:
         if dots and low != high:
             least, most = parse_quantity(low), parse_quantity(high).value
             found.append(Factor(name, unit_of(least.dimension), least.value, most))
-    found += (
+    return tuple(found)
+
+
+def sampled_factors(order: Order) -> tuple[Factor, ...]:
+    """Return what the runs of an order draw from the sample of a twin."""
+    return tuple(
         Factor(name.replace(" ", "_"), _UNITS[name.partition(" ")[2]], min(column), max(column))
         for name, column in _sampled(order).items()
         if min(column) < max(column)
     )
-    return tuple(found)
 
 
 def _sampled(order: Order) -> Mapping[str, tuple[float, ...]]:
@@ -91,7 +95,7 @@ def drawn_factors(order: Order, profile: Profile) -> Mapping[str, float]:
         name.replace(" ", "_"): column[order.seed % len(column)]
         for name, column in _sampled(order).items()
     }
-    found = {each.name: values[each.name] for each in factors_of(order)}
+    found = {each.name: values[each.name] for each in (*factors_of(order), *sampled_factors(order))}
     return found | {name: parse_quantity(text).value for name, text in order.numbers.items()}
 
 

@@ -118,6 +118,8 @@ def _section(
     ]
     if cell.incomplete:
         lines.append(f"{cell.incomplete}.")
+    if cell.not_decided:
+        lines.append(f"No indices: {cell.not_decided}.")
     if times:
         lines.append(f"Mission time of those that passed, least/median/most: {times} s.")
     anchor = f'<a id="{_id(cell)}"></a>'

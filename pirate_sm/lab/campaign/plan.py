@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -11,14 +12,17 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, PlainSerializer, PlainValidator, TypeAdapter, ValidationError
-from pydantic_core import to_json
+from pydantic_core import to_json, to_jsonable_python
 
 import pirate_sm
+from pirate_sm.core.loading import LoadedMission, twin_named
 from pirate_sm.core.models import LineFaults
+from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.options import OPTIONS, written
 from pirate_sm.core.units import DIMENSIONLESS, TIME
 from pirate_sm.lab.campaign.campaign_model import Expectation, StoppingRule, TrueEnd
 from pirate_sm.lab.campaign.sensitivity import Design
+from pirate_sm.lab.campaign.sensitivity_model import Factor
 from pirate_sm.running.wiring import Order
 
 FORMAT = 1
@@ -54,6 +58,7 @@ class Cell:
         mission: Key of its loaded mission in :attr:`CampaignPlan.missions`.
         design: How its runs vary the robot, which are counted where others have seeds; None: they
             do not.
+        sampled: What its runs draw from the sample of a twin, whose file a report does not need.
     """
 
     row: str
@@ -65,6 +70,7 @@ class Cell:
     key: str
     mission: str = ""
     design: Design | None = None
+    sampled: tuple[Factor, ...] = ()
 
     @property
     def name(self) -> str:
@@ -145,7 +151,7 @@ def varied(cell: Cell, seed: int, drawn: Mapping[str, float]) -> Order:
     if cell.design is None:
         return replace(cell.order, seed=seed)
     numbers = cell.design.written(drawn)
-    return replace(cell.order, seed=seed // cell.design.block, numbers=numbers)
+    return replace(cell.order, seed=cell.design.seed(seed), numbers=numbers)
 
 
 def command_of(order: Order, seed: int) -> str:
@@ -162,6 +168,33 @@ def _faults(line: LineFaults | None) -> Iterator[str]:
         is_share = name in ("loss_in", "loss_out", "corruption")
         text = written(value, DIMENSIONLESS if is_share else TIME)
         yield f"{name}={text.replace(' ', '')}"
+
+
+# --- keys
+
+
+def key_of(order: Order, loaded: LoadedMission, end: TrueEnd, design: Design | None) -> str:
+    """Return a digest of all that the result of a run depends on but its seed.
+
+    Files count by their content, not by their names, which may differ elsewhere.
+    """
+    twin, _ = twin_named(order.twin or "", 0)
+    which = (order.twin or "")[len(twin) :] or None
+    rest = replace(order, mission="", pipe=None, robot=None, twin=which, seed=0)
+    kind, _, camera = (order.detector or "").partition(":")
+    named = [twin, camera if kind == "vision" else ""]
+    parts = [
+        code_version(),
+        json.dumps(to_jsonable_python(rest), sort_keys=True),
+        end.model_dump_json(),
+        *([] if design is None else [design.digest]),
+        *(document.text for document in loaded.documents),
+        *(Path(each).read_text("utf-8") for each in named if each and is_file(Path(each))),
+    ]
+    digest = sha256()
+    for part in parts:
+        digest.update(part.encode() + b"\0")
+    return digest.hexdigest()[:16]
 
 
 # --- version of the code -------------------------------------------------------------------------

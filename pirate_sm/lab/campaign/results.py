@@ -18,7 +18,7 @@ from pirate_sm.lab.campaign.campaign_model import Expectation
 from pirate_sm.lab.campaign.conductor import recording_name
 from pirate_sm.lab.campaign.intervals import wilson
 from pirate_sm.lab.campaign.plan import CampaignPlan, command_of, varied
-from pirate_sm.lab.campaign.sensitivity import Decided, decided
+from pirate_sm.lab.campaign.sensitivity import Decided, decided_or_why
 from pirate_sm.lab.campaign.store import RECORDINGS
 from pirate_sm.lab.campaign.tally import Cause, FactorCount, Tally
 
@@ -114,6 +114,7 @@ class CellResult:
         factors: How success goes with what runs draw.
         took: How long runs have taken; None without runs.
         decided: Which numbers of the robot decide what its runs come to, if these are varied.
+        not_decided: Why that is not known; empty if it is.
     """
 
     name: str
@@ -140,6 +141,7 @@ class CellResult:
     factors: tuple[FactorResult, ...]
     took: TimeCounts | None
     decided: tuple[Decided, ...] = ()
+    not_decided: str = ""
 
     @property
     def share(self) -> float | None:
@@ -253,7 +255,7 @@ def _cell(tally: Tally, recordings: Path) -> CellResult:
         tuple(_cause(tally, each, recordings) for each in found),
         tuple(_factor(each, tally.confidence) for each in tally.factors if any(each.runs)),
         _took(tally.times_s, tally.others_s),
-        () if cell.design is None else decided(cell.design, tally.outcomes, tally.confidence),
+        *decided_or_why(cell.design, tally.outcomes, tally.confidence),
     )
 
 
@@ -334,6 +336,8 @@ def _lines(result: CampaignResult) -> Iterator[str]:
             yield f"    {cell.incomplete}"
         for cause in cell.causes:
             yield from _cause_lines(cause)
+        if cell.not_decided:
+            yield f"    no indices: {cell.not_decided}"
         for each in cell.decided:
             yield from _decided_lines(each)
     for name in result.left_out:

@@ -1,7 +1,9 @@
 """Draws what the runs of a sensitivity vary, and finds which of it decides; SALib does both.
 
-The runs of a point differ in the robot alone: they share the seed of all noise, which so counts as
-a cause of its own and not as an effect of the numbers.
+Runs of a point that differ in the robot alone share the seed of all noise: their difference is an
+effect of the numbers. The second sample of Sobol's estimator, which must be independent of the
+first, has noise of its own, else what a number does together with the noise would count as what it
+does alone.
 """
 
 from __future__ import annotations
@@ -9,14 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.metadata import PackageNotFoundError, version
+from hashlib import sha256
 from math import isfinite
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pirate_sm.core.errors import not_installed
+from pirate_sm.core.errors import UsageError, not_installed
 from pirate_sm.lab.campaign.sensitivity_model import Factor
 
 _SEED = 1
@@ -27,6 +29,10 @@ _DIGITS = 6
 
 _LEAST = 4
 """Of fewer points nothing is said."""
+
+_LEAST_SHARE = 0.95
+"""Likewise of a smaller share of the points: the estimators take all of a design, and those that
+are left are chosen by what has come out. [decided]"""
 
 
 @dataclass(frozen=True)
@@ -53,6 +59,15 @@ class Design:
         """How many runs there are."""
         return self.points * self.block
 
+    def seed(self, run: int) -> int:
+        """Return the seed of a run, which is counted from 0.
+
+        The last run of a point of Sobol's is of the second sample alone (Saltelli et al. 2010,
+        "Variance based sensitivity analysis of model output", Computer Physics Communications 181).
+        """
+        point, place = divmod(run, self.block)
+        return 2 * point + (place == self.block - 1) if self.method == "sobol" else point
+
     def drawn(self, run: int) -> dict[str, float]:
         """Return the numbers of a run, which is counted from 0.
 
@@ -72,15 +87,12 @@ class Design:
 
     @property
     def digest(self) -> str:
-        """What says which points these are; other versions of a library may draw others."""
-        return repr(self) + "".join(map(_version, ("SALib", "scipy", "numpy")))
+        """What says which points these are; other versions of a library may draw others.
 
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return ""
+        Raises:
+            UsageError: SALib is not installed.
+        """
+        return repr(self) + sha256(_points(self).tobytes()).hexdigest()
 
 
 def _salib(what: Literal["sample", "analyze"], method: str) -> Any:
@@ -123,7 +135,7 @@ class RunOutcome(NamedTuple):
     """What a run has come to, as far as numbers of the robot can decide it.
 
     Attributes:
-        success: Whether it passed, 1 or 0.
+        success: Whether it passed, 1 or 0; NaN if it was refused or met an internal error.
         time: Mission time, s.
         slip: How much farther its wheels have rolled than it has moved, m; NaN if unknown.
     """
@@ -197,6 +209,8 @@ class Decided:
         method: Of Sobol or of Morris.
         points: How many points count: for time and slip those whose runs all passed.
         of: How many points were run.
+        left_out: How many points never count: a run was refused or met an internal error.
+        counted: The share of the points that count.
         numbers: What was varied, first what decides most; empty if all runs come to the same, or
             too few points count.
     """
@@ -206,12 +220,18 @@ class Decided:
     method: Literal["sobol", "morris"]
     points: int
     of: int
+    left_out: int
+    counted: float
     numbers: tuple[NumberEffect, ...]
 
     @property
     def summary(self) -> str:
         """Which points count, and what the numbers are."""
         which = f"{self.points} of {self.of} points count"
+        if self.left_out:
+            which += f" ({self.left_out} left out: a run was refused or met an internal error)"
+        if self.counted < _LEAST_SHARE:
+            return f"{which}, fewer than {_LEAST_SHARE:.0%}: the rest is not a sample"
         if not self.numbers:
             return f"{which}, too few or all alike: nothing decides it here"
         unit = f", in {self.unit}" if self.unit and self.method == "morris" else ""
@@ -235,14 +255,30 @@ def decided(
     whole = runs[: points * design.block]
     x = np.array([drawn for _, drawn in whole]).reshape(points, design.block, -1)
     y = np.array([outcome for outcome, _ in whole]).reshape(points, design.block, -1)
-    passed = y[:, :, 0].all(axis=1)
-    found = []
+    known = np.isfinite(x).all(axis=(1, 2)) & np.isfinite(y[:, :, 0]).all(axis=1)
+    passed = known & (y[:, :, 0] == 1.0).all(axis=1)
+    left_out, found = points - int(known.sum()), []
     for number, (name, unit) in enumerate(zip(RunOutcome._fields, _UNITS, strict=True)):
-        counts = np.isfinite(y[:, :, number]).all(axis=1) & (passed if number else True)
+        counts = np.isfinite(y[:, :, number]).all(axis=1) & (passed if number else known)
+        share_counted = float(counts.mean()) if points else 0.0
         of_runs = x[counts].reshape(-1, len(design.numbers)), y[counts][:, :, number].ravel()
-        effects = sorted(_effects(design, *of_runs, share), key=lambda each: -each.size[0])
-        found.append(Decided(name, unit, design.method, int(counts.sum()), points, tuple(effects)))
+        enough = share_counted >= _LEAST_SHARE
+        effects = sorted(
+            _effects(design, *of_runs, share) if enough else (), key=lambda each: -each.size[0]
+        )
+        counted = int(counts.sum()), points, left_out, share_counted
+        found.append(Decided(name, unit, design.method, *counted, tuple(effects)))
     return tuple(found)
+
+
+def decided_or_why(
+    design: Design | None, runs: Sequence[tuple[RunOutcome, Sequence[float]]], share: float
+) -> tuple[tuple[Decided, ...], str]:
+    """Return what decides each outcome, and why that is not known, as :func:`decided`."""
+    try:
+        return (decided(design, runs, share) if design else ()), ""
+    except UsageError as error:
+        return (), str(error)
 
 
 def _effects(
@@ -262,6 +298,6 @@ def _effects(
                 ours: float(indices[theirs][number])
                 for ours, theirs in _INDICES[design.method].items()
             }
-            if all(map(isfinite, known.values())):
-                correlation = float(np.corrcoef(x[:, number], y)[0, 1])
+            correlation = float(np.corrcoef(x[:, number], y)[0, 1])
+            if all(map(isfinite, (correlation, *known.values()))):
                 yield NumberEffect(each.name, correlation, known)

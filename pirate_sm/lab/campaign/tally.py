@@ -127,8 +127,8 @@ class Tally:
     def __post_init__(self) -> None:
         if not self.factors:
             design = self.cell.design
-            varied = (*factors_of(self.cell.order), *(design.numbers if design else ()))
-            self.factors = tuple(map(FactorCount, varied))
+            varied = (*factors_of(self.cell.order), *self.cell.sampled)
+            self.factors = tuple(map(FactorCount, (*varied, *(design.numbers if design else ()))))
         if not isinstance(self.cell.seeds, range):
             self._positions = {seed: n for n, seed in enumerate(self.cell.seeds)}
 
@@ -207,7 +207,10 @@ class Tally:
                 each.count(row.drawn[each.factor.name], row.verdict == "passed")
         if self.cell.design is not None:
             drawn = [row.drawn.get(each.name, nan) for each in self.cell.design.numbers]
-            outcome = RunOutcome(row.verdict == "passed", row.time_s, row.slip_m)
+            unknown = row.outcome in ("refused", "bug")  # nothing was run, or not by the robot
+            outcome = RunOutcome(
+                nan if unknown else row.verdict == "passed", row.time_s, row.slip_m
+            )
             self.outcomes.append((outcome, drawn))
         if row.verdict == "passed":
             self.times_s.append(row.time_s)

@@ -6,12 +6,13 @@ import json
 import re
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from pirate_sm.core._loading.problems import LoadError, Place, Problems
 from pirate_sm.core._loading.problems import Path as Keys
-from pirate_sm.core._loading.problems import Problems
 from pirate_sm.core._loading.references import FileKind, refuse_other
 from pirate_sm.core._loading.yaml.document import Document, parse_document, read_document
 from pirate_sm.core._loading.yaml.validation import try_validate
@@ -66,8 +67,33 @@ def simulated_profile(
             inner[key] = float(text)
     if "friction" in tree:
         tree["friction"] = _both(tree["friction"], profile.simulation.friction)
-    document = parse_document(json.dumps(tree), "the numbers given")
-    return with_twin(profile, twin_in(document, profile))
+    document = parse_document(json.dumps(tree, indent=0), "the numbers given")  # each in a line
+    try:
+        return with_twin(profile, twin_in(document, profile))
+    except LoadError as error:
+        said = _by_line(tree, document, numbers)
+        raise LoadError(
+            replace(each, place=Place(said[each.place.line]), excerpt="")
+            if each.place.line in said
+            else each
+            for each in error.problems
+        ) from None
+
+
+def _by_line(
+    tree: Mapping[str, Any], document: Document, numbers: Mapping[str, str], within: Keys = ()
+) -> dict[int, str]:
+    """Return the numbers in a document as people give them, by their lines."""
+    found = dict[int, str]()
+    for key, value in tree.items():
+        keys, line = (*within, key), document.place_of((*within, key), key=True).line
+        if isinstance(value, Mapping):
+            inner = _by_line(value, document, numbers, keys)
+            found |= {line: next(iter(inner.values()), "")} | inner
+        elif within:
+            name = ".".join(map(str, keys))
+            found[line] = f"{name} = {numbers.get(name) or f'{value:.6g}'}"
+    return found
 
 
 def _both(given: Mapping[str, Any], own: Friction) -> Mapping[str, Any]:

@@ -9,7 +9,9 @@ import pytest
 from pirate_sm.core.documents import LoadError
 from pirate_sm.core.errors import UsageError
 from pirate_sm.lab.campaign.campaign_file import check_campaign, read_campaign
+from pirate_sm.lab.campaign.campaign_model import StoppingRule
 from pirate_sm.lab.campaign.plan import CampaignPlan, command_of, mark_of, plan_of
+from pirate_sm.lab.campaign.tally import Tally
 
 
 def planned(folder: Path, text: str) -> CampaignPlan:
@@ -76,6 +78,10 @@ def test_a_twin_names_a_robot_of_its_sample_or_has_each_seed_draw_one(tmp_path: 
         "twin.yaml", "twin.yaml#1", "twin.yaml#seed"
     ]  # fmt: skip
     assert len({plan.cells[0].key for plan in plans}) == 3
+    (tmp_path / "twin.yaml").rename(tmp_path / "moved.yaml")
+    (cell,) = plan_of(mark_of(plans[2])).cells  # as a report of the results reads it
+    (counted,) = Tally(cell, 0.95, StoppingRule()).factors
+    assert (counted.factor.low, counted.factor.high) == (0.8, 0.9)
     (tmp_path / "twin.yaml").write_text("format: 1\nrobot: pirate_ii\n")
     (problem,) = problems_of(tmp_path, f"{text}#seed\n")
     assert "it has one robot and no `sample`" in problem

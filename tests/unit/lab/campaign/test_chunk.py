@@ -19,9 +19,9 @@ from pirate_sm.lab.campaign.chunk import (
     Chunk,
     OtherVersionError,
     Sent,
-    factors_of,
     loaded_mission,
     run_chunk,
+    sampled_factors,
 )
 from pirate_sm.lab.campaign.conductor import chunk_of, record_chunk
 from pirate_sm.lab.campaign.plan import code_version
@@ -103,7 +103,7 @@ def test_each_seed_takes_its_robot_from_the_sample_of_a_twin(tmp_path: Path) -> 
         {"bend_no_load_speed": 0.8},
         {"bend_no_load_speed": 0.9},
     ]
-    assert [(each.name, each.unit, each.low, each.high) for each in factors_of(order)] == [
+    assert [(each.name, each.unit, each.low, each.high) for each in sampled_factors(order)] == [
         ("bend_no_load_speed", "rad/s", 0.8, 0.9)
     ]
     assert rows[0].time_s != rows[1].time_s
