@@ -6,7 +6,7 @@ from pydantic import ValidationError
 
 from pirate_sm.lab.experiments.thesis_rows import FAILED, ComparedRow, ThesisRow, compared
 
-BAND = {"between": (70, 90), "source": "printed"}
+BAND: dict[str, Any] = {"between": (70, 90), "source": "printed"}
 
 
 def row(**more: Any) -> ThesisRow:
