@@ -92,7 +92,6 @@ class ChainBody:
         felt_over_s: Time constant of the accelerometer's smoothing: the time between its reports.
         tyre_half_width_m: Half the width of every wheel.
         rolling_resistance: Of every wheel, over the normal force.
-        sliding_slip: Share of the way rolled at which a wheel slides.
         spin_radius_m: Torque of friction against spinning on the spot, over the force of friction.
     """
 
@@ -109,7 +108,6 @@ class ChainBody:
     felt_over_s: float = 0.0
     tyre_half_width_m: float = 0.006
     rolling_resistance: float = 0.0
-    sliding_slip: float = 0.1
     spin_radius_m: float = 0.0014
 
     def felt_share(self, cycle_s: float) -> float:
@@ -193,7 +191,6 @@ def chain_of(profile: Profile) -> ChainBody:
         profile.link.cycle * profile.messages_per_round,
         body.wheel_width / 2,
         profile.simulation.tyre.rolling_resistance,
-        profile.simulation.tyre.sliding_slip,
         profile.simulation.tyre.spin_radius,
     )
 

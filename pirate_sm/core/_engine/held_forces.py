@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import sqrt
+from math import pi, radians, remainder, sqrt
 
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.traction import gravity_m_s2, torque_nm
@@ -21,6 +21,10 @@ CURRENT_ERROR = 0.05
 """By this share of its stall torque a driven motor may give another torque than its current shows
 [assumed]."""
 
+_ASKEW_RAD = radians(20.0)
+"""A part that leans more against the others lies in another leg: loose in the widest shipped pipe
+one leans by up to 14 degrees (72 mm of room over the 280 mm between its outer wheels)."""
+
 
 def held_force_intervals(
     robot: RobotSpec,
@@ -33,7 +37,8 @@ def held_force_intervals(
     """Return the wheels of the parts that hold, and the interval of each and last of their sum.
 
     The pipe lies along the parts that hold. A wheel of a part that does not hold bears what it must
-    across the pipe, nothing along it. Both are empty where no part holds, or too little is known.
+    across the pipe, nothing along it. Both are empty where no part holds, where the robot lies in a
+    bend, whose walls are not in the program, or where too little is known.
 
     Args:
         robot: The robot.
@@ -52,6 +57,9 @@ def held_force_intervals(
         return (), ()
     wheels = tuple(wheel for part in parts for wheel in body.parts[part].wheels)
     heading_rad = body.heading_in_pipe(numbers, parts[0], 0)
+    others = (body.heading_in_pipe(numbers, part, 0) for part in range(len(body.parts)))
+    if any(abs(remainder(other - heading_rad, 2 * pi)) > _ASKEW_RAD for other in others):
+        return (), ()
     places = body.places(body.angles(numbers), 0, Pose(0.0, 0.0, heading_rad))
     link = body.roll_link if is_round and body.roll >= 0 else -1
     roll_rad = numbers[body.roll] if link >= 0 else 0.0

@@ -65,5 +65,5 @@ def in_words(force: ClampForce) -> str:
     """Return a force with its interval as text: ``sum 143 N (34 to 486 N)``."""
     known = "" if isnan(force.force_n) else f" {force.force_n:.0f} N"
     if isnan(force.least_n):
-        return f"{force.wheel}{known} (in motion, or against something)"
+        return f"{force.wheel}{known} (in motion, against something, or with a dead wheel)"
     return f"{force.wheel}{known} ({force.least_n:.0f} to {force.greatest_n:.0f} N)"

@@ -56,22 +56,18 @@ class Friction(Coefficients):
 
 
 class Tyre(Frozen):
-    """How the tyre of a wheel rolls and creeps on a wall.
+    """How the tyre of a wheel rolls and spins on a wall, on the backend physics.
 
     Attributes:
         rolling_resistance: Force that resists rolling, over the normal force. Tyres of cars have
             0.015 on concrete (Gillespie, Fundamentals of Vehicle Dynamics, chapter 4), rubber of
             small wheels somewhat more [assumed].
-        sliding_slip: Share of the way rolled, along the drive or across it, at which a rolling
-            wheel slides; below, it creeps in proportion to the force (brush model: Pacejka, Tire
-            and Vehicle Dynamics, chapter 3) [assumed].
         spin_radius: Torque of friction against spinning on the spot, over the force of friction:
             3 pi / 16 of the radius of the contact (Hertz), which is 2.4 mm for a wheel of 24 mm
             that is pressed in by 0.25 mm [assumed].
     """
 
     rolling_resistance: Annotated[Ratio, Field(ge=0, le=0.2)] = 0.0
-    sliding_slip: Annotated[Ratio, Field(gt=0, le=1)] = 0.1
     spin_radius: Annotated[Length, Field(ge=0)] = 0.0014
 
 
