@@ -17,7 +17,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo gallery wheel update test test-thorough test-cluster test-pty test-browser test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps belief robots campaigns space twin learning mistakes mutants physics vision clean
+.PHONY: help demo gallery wheel update test test-thorough test-cluster test-pty test-browser test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps belief robots campaigns space twin learning mistakes mutants physics vision thesis clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -41,6 +41,7 @@ help:
 	@echo "make twin    the numbers of simulated robots, found in ten-minute recordings of them"
 	@echo "make learning an agent that learns the bend, refusals in random play, and steps per second"
 	@echo "make physics MuJoCo beside the kinematic simulator, its speed, and the bend in many pipes"
+	@echo "make thesis  the thesis's experiments again, every verdict into docs/explanation/thesis.json and its page"
 	@echo "make vision  what a synthetic camera sees of the bend, its speed, and the calibration of a lens"
 	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
@@ -167,6 +168,13 @@ physics: $(VENV)/.ready-physics
 	$(BIN)/python -m benchmarks.physics_properties
 	$(BIN)/pirate campaign campaigns/bend_physics.yaml --resume
 	$(BIN)/python -m benchmarks.physics_agreement
+
+# The command exits with 1 where a value is contradicted, which the page tells.
+thesis: $(VENV)/.ready-dev
+	mkdir -p build
+	$(BIN)/pirate experiment all --format json > build/thesis.json || test $$? = 1
+	mv build/thesis.json docs/explanation/thesis.json
+	GOLDEN=write $(BIN)/python -m pytest --quiet tests/golden/test_thesis_page.py
 
 vision: $(VENV)/.ready-vision
 	$(BIN)/python -m benchmarks.vision

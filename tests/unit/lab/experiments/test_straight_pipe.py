@@ -37,4 +37,8 @@ def test_wheels_slip_where_the_pipe_is_blocked(result: ExperimentResult) -> None
 def test_the_figures_of_the_part_shown_are_drawn(result: ExperimentResult) -> None:
     titles = [figure.title.partition(":")[0] for figure in result.figures]
 
-    assert list(dict.fromkeys(titles)) == [f"Fig. 6-{number}" for number in range(1, 9)]
+    assert list(dict.fromkeys(titles)) == [
+        "Table 6-1, 1a",
+        *(f"Fig. 6-{number}" for number in range(1, 9)),
+        "Table 6-1, 1d",
+    ]

@@ -75,4 +75,4 @@ def test_runs_by_the_engines_own_loops_are_compared_with_their_partners_too() ->
     assert made.values["3b.sim.apart"] < 0.002
     assert abs(made.values["3b.sim.kept"]) < 0.03
     assert made.values["3b.clean.kept"] > 0.1
-    assert [note.partition(":")[0] for note in made.notes] == ["3a on sim", "3b on sim"]
+    assert [note.partition(":")[0] for note in made.notes[-2:]] == ["3a on sim", "3b on sim"]
