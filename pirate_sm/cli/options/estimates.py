@@ -73,8 +73,9 @@ class ExperimentOptions(CommandOptions):
     """Repeat the experiments of the thesis.
 
     Its values are printed next to ours, each with the band that the thesis's own spread leaves.
-    Verdicts: predicted, consistent with no effect, input, contradicted, not measured, not modelled,
-    impossible, ours alone.
+    Verdicts: predicted, assumed (as predicted, by a number that was not measured),
+    consistent with no effect, input, contradicted, not measured, not modelled, impossible, ours
+    alone.
 
     Exit codes: 0 no value is contradicted or not measured, 1 one is, 2 a file cannot be used.
     """

@@ -117,6 +117,8 @@ def check_experiment(path: Path) -> tuple[Document, Problems]:
             problems.add("experiment.name", at, str(error))
     robot = _robot(path, problems)
     if robot is not None:
+        numbers = [*_keys(document.data), *_keys(robot.documents[0].data)]
+        _known(problems, "number", _assumed(setup), numbers)
         _check_robot(setup, robot, problems)
     return document, problems
 
@@ -139,6 +141,20 @@ def _parts(setup: Setup) -> Iterator[tuple[At, str]]:
         yield ("tilts", "of"), setup.tilts.of
     else:
         yield ("shown",), setup.shown
+
+
+def _assumed(setup: Setup) -> Iterator[tuple[At, str]]:
+    """Yield where the file names an assumed number."""
+    for number, row in enumerate(setup.rows):
+        yield from _listed(("rows", number, "assumes"), row.assumes)
+
+
+def _keys(data: object, above: str = "") -> Iterator[str]:
+    """Yield the keys of nested mappings, each after those above it, with dots between."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield f"{above}{key}"
+            yield from _keys(value, f"{above}{key}.")
 
 
 def _missions(setup: Setup) -> Iterator[tuple[At, str]]:

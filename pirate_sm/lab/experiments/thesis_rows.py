@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import isnan
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, Field, model_validator
 
@@ -13,11 +13,12 @@ from pirate_sm.core.fields import Frozen, Number
 from pirate_sm.core.units import parse_unit
 
 Given = Literal["input", "not modelled", "impossible", "ours alone"]
-Verdict = Literal["predicted", "consistent with no effect", "contradicted", "not measured"] | Given
-FAILED: tuple[Verdict, ...] = ("contradicted", "not measured")
+Failed = Literal["contradicted", "not measured"]
+Verdict = Literal["predicted", "assumed", "consistent with no effect"] | Failed | Given
+FAILED: tuple[str, ...] = get_args(Failed)
 _OF_BEFORE = {
     "shape": "'shape' is not read any more: write its limits as 'between', with their 'source'",
-    "not reproducible": "there is no 'cannot: not reproducible' any more: write a band, 'between',"
+    "not reproducible": "'cannot: not reproducible' is not read any more: write a band, 'between',"
     " that our value misses, or 'cannot: not modelled'",
 }
 """What stood in files of before, and what stands for it now."""
@@ -46,8 +47,10 @@ class ThesisRow(Frozen):
         unit: Of our value.
         between: The band of the thesis, in ``unit``: what its own spread leaves to our value.
         source: What of the thesis the band follows from; needed with one.
-        no_effect: What a simulator without the effect gives, in ``unit``. A band that contains it
-            cannot tell the two apart.
+        no_effect: What a simulator without the effect gives, in ``unit``; needed where ours may be
+            a prediction. A band that contains it cannot tell the two apart.
+        assumes: Numbers on which our value depends and which were not measured, by their keys in
+            the file or in the profile of the robot. With one, our value is not a prediction.
         cannot: The verdict without a band, or of a value that was put in and is read back.
         reason: What a reader must know of the verdict.
     """
@@ -60,7 +63,8 @@ class ThesisRow(Frozen):
     unit: str = ""
     between: Range | None = None
     source: str = ""
-    no_effect: Number = 0.0
+    no_effect: Number | None = None
+    assumes: tuple[str, ...] = ()
     cannot: Given | None = None
     reason: str = ""
 
@@ -79,6 +83,8 @@ class ThesisRow(Frozen):
             raise ValueError("expected a band, 'between', or a verdict that needs none, 'cannot'")
         if self.between is not None and not self.source:
             raise ValueError("expected the 'source' of the band")
+        if self.between is not None and self.cannot is None and self.no_effect is None:
+            raise ValueError("expected 'no_effect', what a simulator without the effect gives")
         if self.between is not None and self.cannot not in (None, "input"):
             raise ValueError(f"expected no band, 'between', where it is {self.cannot}")
         return self
@@ -110,8 +116,10 @@ class ComparedRow:
 
     @property
     def verdict_text(self) -> str:
-        """The verdict with its reason."""
-        return f"{self.verdict}: {self.row.reason}" if self.row.reason else self.verdict
+        """The verdict with what it assumes and its reason."""
+        by = f"by {', '.join(self.row.assumes)}" if self.verdict == "assumed" else ""
+        said = "; ".join(filter(None, (by, self.row.reason)))
+        return f"{self.verdict}: {said}" if said else self.verdict
 
 
 def compared(rows: Iterable[ThesisRow], values: Mapping[str, float]) -> Iterator[ComparedRow]:
@@ -140,4 +148,7 @@ def _verdict(row: ThesisRow, ours: float) -> Verdict:
         return "contradicted"
     if row.cannot is not None:
         return row.cannot
-    return "consistent with no effect" if low <= row.no_effect <= high else "predicted"
+    assert row.no_effect is not None  # the row's own check
+    if low <= row.no_effect <= high:
+        return "consistent with no effect"
+    return "assumed" if row.assumes else "predicted"

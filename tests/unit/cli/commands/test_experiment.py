@@ -27,7 +27,7 @@ def test_the_thesis_stands_beside_ours_with_a_verdict_and_its_reason(
     assert told.exit_code == 1, "its way is contradicted"
     assert "thesis about 2 cm (6-4, fig. 6-11), band 15 to 25 (one digit is printed" in told.stdout
     assert "ours 19.9" in told.stdout
-    assert "predicted: creep of the friction law" in told.stdout
+    assert "assumed: by control.gain, control.speed, noise.thesis.speed; creep" in told.stdout
     assert "3a" not in {line.split()[0] for line in told.stdout.splitlines() if line.strip()}
     assert "Fig. 6-11" in page.read_text()
     assert "3c,odometry error with noise,about 2 cm,15 to 25,19.9" in csv.read_text()

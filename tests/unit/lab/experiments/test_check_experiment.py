@@ -74,6 +74,13 @@ def test_a_fault_is_found_at_its_place(
     assert any(word.strip("[{,:") in problem.excerpt for word in new.split()), near
 
 
+def test_an_assumed_number_is_one_of_the_experiment_or_of_the_robot(robot: Path) -> None:
+    (problem,) = found(robot, 3, "assumes: [control.gain", "assumes: [control.gian")
+
+    assert problem.code == "experiment.name"
+    assert "no number 'control.gian'" in problem.message
+
+
 def test_all_faults_are_told_at_once(robot: Path) -> None:
     text = (PIRATE / "experiments" / "experiment_1.yaml").read_text("utf-8")
     text = text.replace("1a: exp_1a_both", "1a: nothing").replace("shown: 1a", "shown: 1x")

@@ -12,6 +12,7 @@ ROW = ThesisRow(
     ours="1a.wheel_5.driving_mean",
     between=(-0.1946, -0.0846),
     source="plus and minus the std.",
+    no_effect=0,
 )
 
 

@@ -6,7 +6,7 @@ from pydantic import ValidationError
 
 from pirate_sm.lab.experiments.thesis_rows import FAILED, ComparedRow, ThesisRow, compared
 
-BAND: dict[str, Any] = {"between": (70, 90), "source": "printed"}
+BAND: dict[str, Any] = {"between": (70, 90), "source": "printed", "no_effect": 0}
 
 
 def row(**more: Any) -> ThesisRow:
@@ -26,8 +26,17 @@ def test_a_value_is_judged_in_the_unit_of_its_row(ours_m: float, verdict: str) -
 
 
 def test_a_band_that_a_simulator_without_the_effect_passes_shows_nothing() -> None:
-    assert judged(0.8, **BAND, no_effect=90).verdict == "consistent with no effect"
-    assert judged(1.0, **BAND, no_effect=90).verdict == "contradicted"
+    assert judged(0.8, **BAND | {"no_effect": 90}).verdict == "consistent with no effect"
+    assert judged(1.0, **BAND | {"no_effect": 90}).verdict == "contradicted"
+
+
+def test_what_depends_on_an_assumed_number_is_no_prediction_and_names_it() -> None:
+    assert judged(0.8, **BAND, assumes=["wall.step"], reason="ours").verdict == "assumed"
+    assert judged(0.8, **BAND, assumes=["wall.step"], reason="ours").verdict_text == (
+        "assumed: by wall.step; ours"
+    )
+    assert judged(0.8, **BAND, assumes=["wall.step"], cannot="input").verdict == "input"
+    assert judged(1.0, **BAND, assumes=["wall.step"]).verdict == "contradicted"
 
 
 def test_what_was_put_in_is_no_prediction_but_must_be_read_back() -> None:
@@ -41,6 +50,7 @@ def test_what_was_put_in_is_no_prediction_but_must_be_read_back() -> None:
         ({}, "expected a band"),
         ({"cannot": "input"}, "expected a band"),
         ({"between": (70, 90)}, "expected the 'source'"),
+        ({"between": (70, 90), "source": "printed"}, "expected 'no_effect'"),
         ({**BAND, "cannot": "impossible"}, "expected no band"),
         ({"shape": (70, 90)}, "write its limits as 'between'"),
         ({"cannot": "not reproducible"}, "or 'cannot: not modelled'"),
