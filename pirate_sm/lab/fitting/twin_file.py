@@ -22,10 +22,14 @@ _ASSUMED_WITHIN = 4.0
 """A number that no recording shows lies within this factor of what the profile says [assumed; the
 four joints of the thesis bore 0.159 to 1.92 Nm where 1.01 were expected]."""
 
+_MOST_FRICTION = 5.0
+"""A file takes no more."""
 
-def sample_of(profile: Profile, numbers: Sequence[RobotNumber], robots: int) -> RobotSample:
-    """Return robots as likely as each other, at most ``DRAWS``.
 
+def sample_of(profile: Profile, numbers: Sequence[RobotNumber], robots: int) -> RobotSample | None:
+    """Return robots as likely as each other, at most ``DRAWS``; None where none is possible.
+
+    A number that is neither known nor assumed, as one of 0, is left to the profile.
     Numbers that are known come from the same draw of stretches of the recording, which keeps how
     they depend on each other. The others are drawn from what is assumed.
     """
@@ -37,24 +41,38 @@ def sample_of(profile: Profile, numbers: Sequence[RobotNumber], robots: int) -> 
             continue
         name, draws = f"{each.motor} {each.key}", each.estimate.likely
         if not each.estimate.known:
-            assumed.append(name)
             value = getattr(profile.motors[each.motor], each.key)
+            if not value:
+                continue
+            assumed.append(name)
             draws = _assumed(random, value, each.estimate.low)
         columns[name] = draws
     friction = profile.simulation.friction
     parts = [each.estimate.likely for each in numbers if not each.motor and each.estimate.known]
-    if not parts:
-        assumed.append("friction kinetic")
-    assumed.append("friction static")
-    kinetic = np.mean(parts, axis=0) if parts else _assumed(random, friction.kinetic, np.nan)
-    surplus = friction.static / friction.kinetic - 1 if friction.kinetic else 0.0
-    columns["friction kinetic"] = kinetic
-    columns["friction static"] = kinetic * (1 + surplus * random.uniform(0, 2, DRAWS))
+    if parts or friction.kinetic:
+        if not parts:
+            assumed.append("friction kinetic")
+        assumed.append("friction static")
+        kinetic = np.mean(parts, axis=0) if parts else _assumed(random, friction.kinetic, np.nan)
+        kinetic = np.minimum(kinetic, _MOST_FRICTION)
+        static = kinetic * (1 + (_static_share(profile) - 1) * random.uniform(0, 2, DRAWS))
+        columns["friction kinetic"] = kinetic
+        columns["friction static"] = np.minimum(static, _MOST_FRICTION)
+    if not columns:
+        return None
     rows = np.column_stack(list(columns.values()))
     rows = rows[np.isfinite(rows).all(axis=1) & (rows > 0).all(axis=1)][:robots]
+    if not len(rows):
+        return None
     return RobotSample(
         numbers=tuple(columns), assumed=tuple(assumed), robots=tuple(map(tuple, rows.tolist()))
     )
+
+
+def _static_share(profile: Profile) -> float:
+    """Return how many times as large as kinetic friction static is; once where both are 0."""
+    friction = profile.simulation.friction
+    return friction.static / friction.kinetic if friction.kinetic else 1.0
 
 
 def _assumed(random: np.random.Generator, value: float, least: float) -> Floats:
@@ -104,12 +122,12 @@ def twin_text(
             lines.append(f"# {each.key}: {each.estimate.value:.3f}")
     kinetic = [each.estimate.value for each in numbers if not each.motor and each.estimate.known]
     if kinetic:
-        assumed = profile.simulation.friction
         mean = sum(kinetic) / len(kinetic)
-        static = mean * assumed.static / assumed.kinetic
+        static = min(mean * _static_share(profile), _MOST_FRICTION)
         lines.append("# The simulator has one friction: the mean, static in the profile's ratio.")
         lines.append(f"friction: {{static: {static:.3f}, kinetic: {mean:.3f}}}")
-    return "\n".join([*lines, *_sample_lines(sample_of(profile, numbers, robots)), ""])
+    sample = sample_of(profile, numbers, robots)
+    return "\n".join([*lines, *(() if sample is None else _sample_lines(sample)), ""])
 
 
 def _sample_lines(sample: RobotSample) -> Iterator[str]:

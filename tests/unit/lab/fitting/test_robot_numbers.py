@@ -266,3 +266,34 @@ def test_numbers_of_one_motor_are_drawn_together(
     )
 
     assert np.corrcoef(speed, stall)[0, 1] < -0.3
+
+
+@pytest.mark.parametrize(
+    ("hold_nm", "static", "kinetic"), [(0.0, 0.7, 0.5), (0.3, 0.0, 0.0), (0.3, 1.4, 1.0)]
+)
+def test_a_sample_of_what_a_profile_assumes_can_be_loaded(
+    measured: MeasuredFile, tmp_path: Path, hold_nm: float, static: float, kinetic: float
+) -> None:
+    profile = measured.profile
+    assert profile is not None
+    wheel = profile.motors["wheel"].model_copy(update={"hold_torque": hold_nm})
+    friction = {"static": static, "kinetic": kinetic}
+    friction_ = profile.simulation.friction.model_copy(update=friction)
+    simulation = profile.simulation.model_copy(update={"friction": friction_})
+    motors = {**profile.motors, "wheel": wheel}
+    changed = profile.model_copy(update={"motors": motors, "simulation": simulation})
+    unknown = [RobotNumber("wheel", "hold_torque", "Nm", Estimate(reason="it stood"))]
+    file = tmp_path / "found.yaml"
+
+    file.write_text(twin_text(changed, unknown, "run.mcap"))
+
+    sample = load_twin(file, profile).sample
+    assert sample is not None
+    assert len(sample.numbers) == (3 if hold_nm and kinetic else 1 if hold_nm else 2)
+
+
+def test_a_robot_of_which_nothing_is_possible_has_no_sample(measured: MeasuredFile) -> None:
+    assert measured.profile is not None
+    none = [RobotNumber("wheel", "hold_torque", "Nm", Estimate(-1.0))]
+
+    assert "sample:" not in twin_text(measured.profile, none, "run.mcap")
