@@ -293,7 +293,7 @@ class Estimate:
         high: Upper end.
         reason: Why it is unknown; empty where it is known.
         draws: What stretches of the run say that are drawn at random. The same draw takes the
-            same stretches for every number with as many of them.
+            same stretches for numbers of the same rows; of others they are of other times.
     """
 
     value: float = nan

@@ -217,7 +217,8 @@ _NOISE = 5.0
 which are smaller near zero, where the sign is missing: by the factor 0.6."""
 
 _STATICS = 0.05
-"""Error of normal forces by the statics of the chain, and so of friction (docs/measurements.md)."""
+"""Error of normal forces by the statics of the chain, and so of friction (docs/measurements.md);
+one error of all parts, which have the same statics."""
 
 _TURNED_RAD_S, _TURNED_SHARE = 0.3, 0.75
 """A wheel at duty 0 that turns faster is turned against its gears. It may have stood still for a
@@ -314,18 +315,18 @@ def wheel_numbers(name: str, rows: Floats, all_: Intervals) -> Iterator[RobotNum
         ("stall_torque", "Nm", _stall, _STEADY),
     ):
         read, found = (_estimate(each, statistic, reason) for each in (rows, quiet))
-        yield RobotNumber(name, key, unit, _spanned(found, read))
+        yield RobotNumber(name, key, unit, _spanned(found, read, 1))
     yield RobotNumber(name, "hold_torque", "Nm", _hold(all_))
 
 
-def _spanned(found: Estimate, other: Estimate) -> Estimate:
+def _spanned(found: Estimate, other: Estimate, stream: int) -> Estimate:
     """Return an estimate whose interval is also that of another one, if both are known.
 
-    Its draws lie anywhere between theirs.
+    Its draws lie anywhere between theirs; numbers with the same error have the same stream.
     """
     if not (found.known and other.known):
         return found
-    between = np.random.default_rng(1).random(DRAWS) * (other.draws - found.draws)
+    between = np.random.default_rng(stream).random(DRAWS) * (other.draws - found.draws)
     low, high = min(found.low, other.low), max(found.high, other.high)
     return replace(found, low=low, high=high, draws=found.draws + between)
 
@@ -373,7 +374,7 @@ def _hold(all_: Intervals) -> Estimate:
         bound = float(np.quantile(all_.load[braked], 0.99)) if braked.any() else np.nan
         return Estimate(low=bound, reason="no wheel was turned against its gears at duty 0")
     most = _estimate(loads[:, None], lambda rows: float(np.quantile(rows, _TURNED_SHARE)), "")
-    return _spanned(most, _estimate(loads[:, None], lambda rows: float(np.median(rows)), ""))
+    return _spanned(most, _estimate(loads[:, None], lambda rows: float(np.median(rows)), ""), 3)
 
 
 def _estimate(rows: Floats, statistic: Callable[[Floats], float], reason: str) -> Estimate:

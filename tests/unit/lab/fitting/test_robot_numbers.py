@@ -297,3 +297,18 @@ def test_a_robot_of_which_nothing_is_possible_has_no_sample(measured: MeasuredFi
     none = [RobotNumber("wheel", "hold_torque", "Nm", Estimate(-1.0))]
 
     assert "sample:" not in twin_text(measured.profile, none, "run.mcap")
+
+
+def test_the_methods_error_of_holding_is_not_that_of_the_stall() -> None:
+    """Both are as wide as what their method does wrong, which is not the same thing."""
+    load = np.tile(np.concatenate([np.zeros(200), np.linspace(0.05, 0.15, 20)]), 50)
+    it = turning(load, rate_noise=0.01, load_noise=0.003, signed=False)
+    borne = np.tile(np.linspace(0.05, 0.15, 40), 50)
+    still = Intervals(0 * borne, np.ones(len(borne)), borne, 0 * borne)
+    both = Intervals(*(np.concatenate(pair) for pair in zip(it, still, strict=True)))
+
+    _, stall, hold = (each.estimate for each in wheel_numbers("wheel", driven(it), both))
+
+    assert stall.known
+    assert hold.known
+    assert abs(np.corrcoef(hold.draws, stall.draws)[0, 1]) < 0.4
