@@ -26,7 +26,9 @@ SIDES = 16
 """Of the pyramid around the cone of friction."""
 
 _AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-_UNBOUNDED, _SOLVED = 3, 0
+_UNBOUNDED, _SOLVED, _IN_TROUBLE = 3, 0, 4
+_METHODS = ("highs", "highs-ds", "highs-ipm")
+"""HiGHS chooses between its two solvers; rarely the one that it chose ends in numerical trouble."""
 
 
 class Touch(NamedTuple):
@@ -109,7 +111,10 @@ def normal_force_intervals(posture: Posture, wheels: Sequence[int]) -> tuple[For
         costs = [0.0] * len(bounds)
         for at, touch in enumerate(touches):
             costs[at * _columns(posture)] = sign * (touch.wheel in chosen)
-        found = linprog(costs, limits, [0.0] * len(limits), rows, loads, bounds, "highs")
+        for method in _METHODS:
+            found = linprog(costs, limits, [0.0] * len(limits), rows, loads, bounds, method)
+            if found.status != _IN_TROUBLE:
+                break
         if found.status == _UNBOUNDED:
             return -sign * inf
         return sign * float(found.fun) if found.status == _SOLVED else nan
