@@ -414,7 +414,7 @@ def test_experiments_and_twins_are_checked_with_their_robot(pirate: Any, tmp_pat
     result = pirate("check", robot, twin)
 
     assert result.exit_code == 1
-    assert "experiment_1.yaml:9:16: error [experiment.name] there is no mission" in result.stdout
+    assert "experiment_1.yaml:10:16: error [experiment.name] there is no mission" in result.stdout
     assert "did you mean 'exp_1a_both'" in result.stdout
     assert "twin.yaml:4:3: error [twin.motor] there is no kind of motor 'wheels'" in result.stdout
     assert "twin.yaml:5:23: error [twin.motor]" in result.stdout
