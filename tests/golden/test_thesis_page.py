@@ -100,7 +100,8 @@ def test_what_takes_no_run_gives_its_stored_verdicts_again() -> None:
         assert found["ours"] == pytest.approx(each.ours)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
 def test_every_experiment_gives_its_stored_verdicts_again() -> None:
     told = CliRunner().invoke(commands, ["experiment", "all", "--format", "json"])
 
