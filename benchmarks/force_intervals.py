@@ -1,4 +1,4 @@
-"""Between which values the normal forces of a clamped robot lie, beside what simulators give.
+"""Between which values the normal forces of a clamped robot lie, next to what simulators give.
 
     python -m benchmarks.force_intervals
 

@@ -7,7 +7,7 @@ it prints the sum of the normal forces in both, between which values statics all
 (:mod:`benchmarks.force_intervals`; unknown where the floor drags on a wheel that touches no wall),
 by how much of the greatest force a wheel of the one differs from that of the other, and how far
 apart are the way driven and the joints' angles. Then, second by second, how a robot that has
-clamped on the floor of a round pipe comes to its axis.
+clamped on the floor of a round pipe reaches its axis.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class History:
     Attributes:
         name: What is printed.
         begins: Duties of the joints that are wound up at the start.
-        steps: What it is told.
+        steps: What its motors are set to, and for how long.
     """
 
     name: str
@@ -74,7 +74,7 @@ HISTORIES = (
     History(
         "after driving", CLAMPED, (Step(1.0, CLAMPED), Step(3.0, CLAMPED, 1.0), Step(1.0, CLAMPED))
     ),
-    History("front clamped anew", REAR, (Step(1.0, REAR), Step(3.0, CLAMPED))),
+    History("front clamped again", REAR, (Step(1.0, REAR), Step(3.0, CLAMPED))),
     History("clamped from loose", {}, _FROM_LOOSE),
     History("… and driving", {}, (*_FROM_LOOSE, Step(3.0, CLAMPED, 1.0))),
     History("… and braked", {}, (*_FROM_LOOSE, Step(3.0, CLAMPED, 1.0), Step(1.0, CLAMPED))),

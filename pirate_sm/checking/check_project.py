@@ -40,9 +40,9 @@ from pirate_sm.core.loading import (
     check_reach,
     load_pipe,
     load_robot,
-    load_twin,
     outline_chart,
     references,
+    simulated_profile,
     validate,
 )
 from pirate_sm.core.models import Pipe, Twin
@@ -355,7 +355,7 @@ class _Check:
             problems.raise_errors()
         except LoadError:
             return  # reported for the robot
-        load_twin(target.path, robot.profile)
+        simulated_profile(robot.profile, str(target.path))
 
     def _robot_of(self, path: Path, name: str) -> Path:
         """Return the folder of the robot that a file is for: the wanted one, else of its name."""

@@ -30,7 +30,7 @@ from pirate_sm.core._model.events import (
     SubmitStatus,
     Tick,
 )
-from pirate_sm.core._model.faults import BUILT_IN_FAULTS, BuiltInFault, Origin
+from pirate_sm.core._model.faults import BUILT_IN_FAULTS, BuiltInFault
 from pirate_sm.core._model.whereabouts import (
     InSpace,
     Look,

@@ -39,6 +39,6 @@ from pirate_sm.core._loading.robot.loader import (
     read_robot,
     with_fitted,
 )
-from pirate_sm.core._loading.robot.twin import check_twin, load_twin, simulated_profile, twin_named
+from pirate_sm.core._loading.robot.twin import check_twin, simulated_profile, twin_named
 from pirate_sm.core._loading.yaml.error_wording import word
 from pirate_sm.core._loading.yaml.validation import try_validate, validate

@@ -54,14 +54,11 @@ from pirate_sm.core._model.robot.profile import (
 )
 from pirate_sm.core._model.robot.signals import Advice, Serial, SetpointTopic, StateTopic
 from pirate_sm.core._model.robot.simulation import (
+    PARTS_OF_A_TWIN,
     SIMULATORS,
     Friction,
     LineFaults,
-    MotorNumbers,
-    Noise,
-    RobotSample,
     RulerSettings,
     Twin,
-    Tyre,
 )
 from pirate_sm.core._model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger

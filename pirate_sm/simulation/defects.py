@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from pirate_sm.core.errors import NO_HINT, Hint, UsageError
+from pirate_sm.core.errors import Hint, UsageError
 from pirate_sm.core.expressions import NumberType, Vocabulary, compile_expression
 from pirate_sm.core.models import Defect, Profile
 from pirate_sm.core.options import DEFECT_KEYS, keys_of_defect
@@ -296,7 +296,8 @@ def _read(texts: Sequence[str], profile: Profile, seed: int) -> list[tuple[Defec
     """Return each defect and its text with ranges drawn; arguments and errors as of `named`."""
     defects, names = profile.simulation.defects, [text.partition(":")[0] for text in texts]
     if wrong := unknown("there is no defect", names, defects):
-        raise UsageError(wrong, hint=_ONE_EACH if any("," in name for name in names) else NO_HINT)
+        many = any("," in name for name in names)
+        raise UsageError(wrong, hint=_ONE_EACH) if many else UsageError(wrong)
     found, faults = [], []
     for number, (name, text) in enumerate(zip(names, texts, strict=True)):
         rng = np.random.default_rng((seed, number, 1))  # others than those with which it acts

@@ -43,8 +43,8 @@ class Course:
 
     samples: list[tuple[float, dict[str, float], list[float]]] = field(default_factory=list)
 
-    def run(self, mission: Path) -> Course:
-        prepared = prepare(Order(str(mission), seed=1, ruler=True))
+    def run(self, mission: Path, seed: int = 1) -> Course:
+        prepared = prepare(Order(str(mission), seed=seed, ruler=True))
         run = MissionRun(
             prepared.engine,
             prepared.backend,
@@ -77,10 +77,10 @@ def errors(samples: list[tuple]) -> list[float]:
 
 
 @pytest.fixture(scope="module")
-def upright(tmp_path_factory: pytest.TempPathFactory) -> Course:
+def upright(tmp_path_factory: pytest.TempPathFactory) -> list[Course]:
     path = tmp_path_factory.mktemp("upright") / "upright.yaml"
     path.write_text(UPRIGHT, encoding="utf-8")
-    return Course().run(path)
+    return [Course().run(path, seed) for seed in range(1, 9)]
 
 
 @pytest.fixture(scope="module")
@@ -101,11 +101,14 @@ def slippery(folder: Path) -> Path:
 
 
 @pytest.mark.parametrize("way", [1, -1], ids=["up", "down"])
-def test_driving_upright_forces_are_right_within_6_percent(upright, way):
-    samples = upright.where(lambda s: way * s["body_speed"] > 0.08)[5:]
+def test_driving_upright_forces_are_right_within_6_percent_and_their_mean_within_4(upright, way):
+    samples = [each.where(lambda s: way * s["body_speed"] > 0.08)[5:] for each in upright]
 
-    assert len(samples) > 20
-    assert max(map(abs, errors(samples))) < 0.06
+    assert min(map(len, samples)) > 20
+    # The noise of one run moves the force of a wheel by up to 2 %: here eight runs count as one.
+    shares = [mean(each) for each in zip(*map(errors, samples), strict=True)]
+    assert max(map(abs, shares)) < 0.06
+    assert abs(mean(shares)) < 0.04
 
 
 def test_blocked_forces_and_the_friction_of_the_slipping_wheel_are_right_within_5_percent(blocked):
@@ -117,9 +120,9 @@ def test_blocked_forces_and_the_friction_of_the_slipping_wheel_are_right_within_
 
 
 def test_wheels_that_do_not_slip_show_no_friction(upright):
-    assert (
-        upright.where(lambda s: any(s[f"mu_{wheel}"] == s[f"mu_{wheel}"] for wheel in WHEELS)) == []
-    )
+    shown = lambda s: any(not isnan(s[f"mu_{wheel}"]) for wheel in WHEELS)  # noqa: E731
+
+    assert [each.where(shown) for each in upright] == [[]] * len(upright)
 
 
 @pytest.mark.thorough

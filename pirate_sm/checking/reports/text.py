@@ -9,7 +9,7 @@ from textwrap import wrap
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.reports.check_report import CheckReport, Rehearsal, RehearsedRun, marked
-from pirate_sm.core.events import BUILT_IN_FAULTS, BuiltInFault, Origin
+from pirate_sm.core.events import BUILT_IN_FAULTS, BuiltInFault
 
 _WIDTH = 100
 _LEAST = 20
@@ -168,7 +168,7 @@ def _fault_explained(fault: BuiltInFault) -> str:
         [
             f"{fault.code} (fault): {fault.meaning}",
             "",
-            f"How it is seen: {_seen_by(fault.origin)}",
+            f"How it is seen: {_seen_by(fault)}",
             f"A mission can handle it: {handled}"
             if fault.catchable
             else "No mission can handle it: the run ends in the safe state.",
@@ -176,8 +176,8 @@ def _fault_explained(fault: BuiltInFault) -> str:
     )
 
 
-def _seen_by(origin: Origin) -> str:
-    match origin:
+def _seen_by(fault: BuiltInFault) -> str:
+    match fault.origin:
         case "sensors":
             return "the engine judges what the sensors show, on every backend alike."
         case "link":

@@ -57,6 +57,8 @@ def run_fit(options: FitOptions) -> int:
     _refuse_losses(options)
     if options.predict:
         return _predict(options)
+    if options.format != "text" or options.workers is not None:
+        raise UsageError("--format and --workers go with --predict")
     if options.robot:
         return _fit_robot(_measured(options.runs), options)
     curves = _curves(options)

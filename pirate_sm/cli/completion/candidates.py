@@ -334,14 +334,14 @@ def defects(context: typer.Context, typed: str) -> Iterator[Candidate]:
 
 def numbers(context: typer.Context, typed: str) -> Iterator[Candidate]:
     """Yield the numbers of the robot that a twin may have, with those in its profile."""
-    from pirate_sm.core.models import MotorNumbers
+    from pirate_sm.core.models import PARTS_OF_A_TWIN
 
     profile = _profile(_robot(context))
     groups = {f"motors.{name}": each for name, each in mapping(profile.get("motors")).items()}
     groups |= {name: mapping(profile.get("simulation")).get(name) for name in ("friction", "noise")}
     for group, found in groups.items():
         for key, value in mapping(found).items():
-            if key in MotorNumbers.model_fields or not group.startswith("motors."):
+            if key in PARTS_OF_A_TWIN[group.partition(".")[0]].model_fields:
                 yield f"{group}.{key}=", line(value)
 
 

@@ -15,7 +15,7 @@ from pirate_sm.core._geometry.force_intervals import (
     Touch,
     normal_force_intervals,
 )
-from pirate_sm.core._geometry.space import DRAWING, crossed, dot, scaled
+from pirate_sm.core._geometry.space import DRAWING, Vector, crossed, dot, scaled
 
 CURRENT_ERROR = 0.05
 """By this share of its stall torque a driven motor may give another torque than its current shows
@@ -66,31 +66,18 @@ def held_force_intervals(
     chain = in_space(places, DRAWING, wheel=wheels[0], link=link, roll_rad=roll_rad)
     touches: list[Touch] = []
     for at, wheel in enumerate(spec.wheels):
-        across = crossed((chain.front if at <= link else chain.rear).normal, DRAWING.ahead)
+        normal = (chain.front if at <= link else chain.rear).normal
+        across = crossed(normal, DRAWING.ahead)
         side = scaled(body.sides[at] / sqrt(dot(across, across)), across)
-        drive_nm = torque_nm(wheel, numbers, setpoints[wheel.slot])
-        braked = setpoints[wheel.slot] == 0
-        doubt_nm = brakes_nm[at] if braked else CURRENT_ERROR * wheel.stall_nm
-        drive_n, doubt_n = drive_nm / wheel.metres_per_rad, doubt_nm / abs(wheel.metres_per_rad)
-        touch = Touch(
-            at,
-            spec.mounts[at],
-            scaled(-1.0, side),
-            DRAWING.ahead,
-            (drive_n - doubt_n, drive_n + doubt_n),
-            friction,
-        )
         if at in wheels:
-            touches.append(touch)
+            braked = setpoints[wheel.slot] == 0
+            doubt_nm = brakes_nm[at] if braked else CURRENT_ERROR * wheel.stall_nm
+            drive_nm = torque_nm(wheel, numbers, setpoints[wheel.slot])
+            along_n = _between(wheel.metres_per_rad, drive_nm, doubt_nm)
+            inward = scaled(-1.0, side)
+            touches.append(Touch(at, spec.mounts[at], inward, DRAWING.ahead, along_n, friction))
         else:
-            loose = touch._replace(along_n=(0.0, 0.0), friction=0.0)
-            ways = (
-                side,
-                scaled(-1.0, side),
-                crossed(side, loose.ahead),
-                crossed(loose.ahead, side),
-            )
-            touches += [loose._replace(inward=way) for way in ways]
+            touches += _loose(at, spec.mounts[at], side)
     posture = Posture(
         chain.points,
         [(chain.front if at <= link else chain.rear).normal for at in range(len(places))],
@@ -101,3 +88,19 @@ def held_force_intervals(
         is_round,
     )
     return (wheels, normal_force_intervals(posture, wheels)) if posture.is_known else ((), ())
+
+
+def _between(metres_per_rad: float, torque_nm: float, doubt_nm: float) -> tuple[float, float]:
+    """Return the least and the greatest force along the pipe of a torque that is known so well."""
+    force_n, doubt_n = torque_nm / metres_per_rad, doubt_nm / abs(metres_per_rad)
+    return force_n - doubt_n, force_n + doubt_n
+
+
+def _loose(wheel: int, link: int, side: Vector) -> tuple[Touch, ...]:
+    """Return the touches of a wheel that bears what it must across the pipe, either way."""
+    ways = (side, crossed(side, DRAWING.ahead))
+    return tuple(
+        Touch(wheel, link, scaled(sign, way), DRAWING.ahead, (0.0, 0.0), 0.0)
+        for way in ways
+        for sign in (1.0, -1.0)
+    )

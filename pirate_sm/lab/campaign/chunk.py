@@ -10,6 +10,7 @@ import traceback
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from math import nan
 from pathlib import Path
 from time import monotonic
@@ -17,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.core.documents import LoadError, read_document
+from pirate_sm.core.documents import LoadError, parse_document, read_document
 from pirate_sm.core.errors import BackendError, UsageError
 from pirate_sm.core.loading import LoadedMission, twin_named, validate
 from pirate_sm.core.models import Profile, Twin
@@ -75,7 +76,13 @@ def _sampled(order: Order) -> Mapping[str, tuple[float, ...]]:
     if not (order.twin or "").endswith("#seed"):
         return {}
     file, _ = twin_named(order.twin or "", order.seed)
-    sample = validate(read_document(Path(file)), Twin).sample
+    return _columns(read_document(Path(file)).text, file)
+
+
+@lru_cache(maxsize=4)
+def _columns(text: str, file: str) -> Mapping[str, tuple[float, ...]]:
+    """Return the columns of the sample in the text of a twin, once for all runs of a cell."""
+    sample = validate(parse_document(text, file), Twin).sample
     if sample is None:
         return {}
     return dict(zip(sample.numbers, zip(*sample.robots, strict=True), strict=True))

@@ -113,7 +113,7 @@ class CellResult:
         causes: Why runs did not pass, or were not safe; the most frequent first.
         factors: How success goes with what runs draw.
         took: How long runs have taken; None without runs.
-        decided: Which numbers of the robot decide what its runs come to, if these are varied.
+        decided: Which numbers of the robot decide the outcome of its runs, if these are varied.
         not_decided: Why that is not known; empty if it is.
     """
 

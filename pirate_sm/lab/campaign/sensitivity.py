@@ -132,7 +132,7 @@ def _points(design: Design) -> NDArray[np.float64]:
 
 
 class RunOutcome(NamedTuple):
-    """What a run has come to, as far as numbers of the robot can decide it.
+    """The outcome of a run, as far as numbers of the robot can decide it.
 
     Attributes:
         success: Whether it passed, 1 or 0; NaN if it was refused or met an internal error.
@@ -245,7 +245,7 @@ def decided(
 
     Args:
         design: How the runs were varied.
-        runs: What the first runs have come to, and the numbers of each, in order.
+        runs: The outcomes of the first runs and the numbers of each, in order.
         share: The confidence of intervals.
 
     Raises:

@@ -17,7 +17,7 @@ from pydantic import (
 )
 
 from pirate_sm.core.fields import Count, Frozen, Name, kind_fault, range_fault
-from pirate_sm.core.models import Friction, MotorNumbers, Noise, Twin, Tyre
+from pirate_sm.core.models import PARTS_OF_A_TWIN, Twin
 from pirate_sm.core.units import parse_quantity, unit_of
 
 MOST_POINTS = 2**20
@@ -93,8 +93,9 @@ if TYPE_CHECKING:
     DrawnNoise = Frozen
     DrawnTyre = Frozen
 else:
-    DrawnMotorNumbers, DrawnFriction = _drawn(MotorNumbers), _drawn(Friction)
-    DrawnNoise, DrawnTyre = _drawn(Noise), _drawn(Tyre)
+    DrawnMotorNumbers, DrawnFriction, DrawnNoise, DrawnTyre = (
+        _drawn(PARTS_OF_A_TWIN[part]) for part in ("motors", "friction", "noise", "tyre")
+    )
 
 
 def _ranges(numbers: Frozen | None) -> dict[str, Factor]:
@@ -107,7 +108,7 @@ class DrawnNumbers(Frozen):
     Attributes:
         motors: By kind of motor.
         joints: The same of the motor of one joint.
-        friction: Between wheel and wall; of its two coefficients one alone takes the other along.
+        friction: Between wheel and wall; one coefficient alone scales the other with it.
         noise: Of the sensors.
         tyre: Of every wheel.
     """
@@ -125,7 +126,7 @@ class DrawnNumbers(Frozen):
         found = _ranges(self.friction)
         static, kinetic = found.get("static"), found.get("kinetic")
         if static and kinetic and static.low < kinetic.high:
-            raise ValueError("draw one coefficient of friction, which takes the other along")
+            raise ValueError("draw one coefficient of friction, which scales the other with it")
         return self
 
     @property
@@ -142,18 +143,18 @@ class DrawnNumbers(Frozen):
 
     def least(self, robot: str) -> Twin:
         """Return the twin whose motors have the least of what is drawn of them."""
-        motors, joints = (
-            {
-                name: MotorNumbers(**{key: each.low for key, each in _ranges(numbers).items()})
-                for name, numbers in group.items()
+        low: dict[str, Any] = {
+            group: {
+                name: {key: each.low for key, each in _ranges(numbers).items()}
+                for name, numbers in found.items()
             }
-            for group in (self.motors, self.joints)
-        )
-        return Twin(format=1, robot=robot, motors=motors, joints=joints)
+            for group, found in (("motors", self.motors), ("joints", self.joints))
+        }
+        return Twin(format=1, robot=robot, **low)
 
 
 class VariedRobot(Frozen):
-    """Which numbers of the robot decide what its runs come to.
+    """Which numbers of the robot decide the outcome of its runs.
 
     Attributes:
         method: ``sobol``: which share of the variance is due to each number, alone and with others.

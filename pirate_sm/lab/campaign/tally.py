@@ -98,7 +98,7 @@ class Tally:
             that passed; None if no word was said.
         unsafe_causes: Which rules of safety were broken.
         causes: Why the others did not pass, by verdict and reason.
-        outcomes: What each run has come to, and the numbers of its robot, if these are varied.
+        outcomes: The outcome of each run and the numbers of its robot, if these are varied.
         decided: Whether no further run counts.
     """
 

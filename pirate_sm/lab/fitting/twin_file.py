@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from math import isnan
+from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.core.models import Profile, RobotSample
+from pirate_sm.core.models import Profile
 from pirate_sm.lab.fitting.measurements import DRAWS
 from pirate_sm.lab.fitting.robot_numbers import RobotNumber
 from pirate_sm.simulation.arrays import Floats
@@ -26,7 +27,15 @@ _MOST_FRICTION = 5.0
 """A file takes no more."""
 
 
-def sample_of(profile: Profile, numbers: Sequence[RobotNumber], robots: int) -> RobotSample | None:
+class LikelyRobots(NamedTuple):
+    """Robots as likely as each other: names of their numbers, those assumed, a row for each."""
+
+    numbers: tuple[str, ...]
+    assumed: tuple[str, ...]
+    robots: tuple[tuple[float, ...], ...]
+
+
+def sample_of(profile: Profile, numbers: Sequence[RobotNumber], robots: int) -> LikelyRobots | None:
     """Return robots as likely as each other, at most ``DRAWS``; None where none is possible.
 
     A number that is neither known nor assumed, as one of 0, is left to the profile.
@@ -64,9 +73,7 @@ def sample_of(profile: Profile, numbers: Sequence[RobotNumber], robots: int) -> 
     rows = rows[np.isfinite(rows).all(axis=1) & (rows > 0).all(axis=1)][:robots]
     if not len(rows):
         return None
-    return RobotSample(
-        numbers=tuple(columns), assumed=tuple(assumed), robots=tuple(map(tuple, rows.tolist()))
-    )
+    return LikelyRobots(tuple(columns), tuple(assumed), tuple(map(tuple, rows.tolist())))
 
 
 def _static_share(profile: Profile) -> float:
@@ -130,7 +137,7 @@ def twin_text(
     return "\n".join([*lines, *(() if sample is None else _sample_lines(sample)), ""])
 
 
-def _sample_lines(sample: RobotSample) -> Iterator[str]:
+def _sample_lines(sample: LikelyRobots) -> Iterator[str]:
     """Yield the lines of a sample, with a robot in each."""
     yield "# Robots that the recording leaves possible, in SI units: --twin FILE#0 and so on."
     yield "sample:"

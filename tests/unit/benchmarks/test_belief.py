@@ -8,7 +8,8 @@ from benchmarks.belief import Claim, judged
 from benchmarks.belief_cases import TROUBLES, WAYS, case_of
 from benchmarks.robots import twin_of
 from pirate_sm.core import library
-from pirate_sm.core.loading import load_pipe, load_robot, load_twin
+from pirate_sm.core._loading.robot.twin import load_twin
+from pirate_sm.core.loading import load_pipe, load_robot
 from pirate_sm.simulation.defects import named
 
 

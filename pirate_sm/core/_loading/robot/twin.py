@@ -20,6 +20,7 @@ from pirate_sm.core._model.robot.body import Motor
 from pirate_sm.core._model.robot.profile import Profile
 from pirate_sm.core._model.robot.simulation import Friction, MotorNumbers, Twin
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.units import DIMENSIONLESS, QuantityError, read_quantity
 
 _OF_ONE_KIND = {"hold_torque": "geared", "dead_drag": "geared", "stiffness": "sprung_worm"}
@@ -43,7 +44,7 @@ def simulated_profile(
         twin: A file, or a robot of its sample: see :func:`twin_named`.
         seed: Of the run.
         numbers: More numbers, by their keys in such a file: ``motors.bend.stall_torque``. Of the
-            two coefficients of friction one alone takes the other along.
+            two coefficients of friction one alone scales the other with it.
 
     Raises:
         LoadError: Everything that is wrong with the file or the numbers.
@@ -107,9 +108,12 @@ def _both(given: Mapping[str, Any], own: Friction) -> Mapping[str, Any]:
 
 
 def twin_named(twin: str, seed: int) -> tuple[str, int | None]:
-    """Return the file of a twin, and the number in its sample of ``FILE#3`` or ``FILE#seed``."""
+    """Return the file of a twin, and the number in its sample of ``FILE#3`` or ``FILE#seed``.
+
+    A file whose own name ends so is named as before.
+    """
     file, _, which = twin.rpartition("#")
-    if file and (which == "seed" or which.isdecimal()):
+    if file and (which == "seed" or which.isdecimal()) and not is_file(Path(twin)):
         return file, seed if which == "seed" else int(which)
     return twin, None
 

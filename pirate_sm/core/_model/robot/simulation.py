@@ -5,6 +5,7 @@ A twin has the numbers that a profile assumes and a recording of the robot has s
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Self
 
 from pydantic import Field, ValidationError, model_validator
@@ -141,6 +142,16 @@ class MotorNumbers(Frozen):
     dead_drag: Annotated[Torque, Field(ge=0)] | None = None
 
 
+PARTS_OF_A_TWIN: Mapping[str, type[Frozen]] = {
+    "motors": MotorNumbers,
+    "joints": MotorNumbers,
+    "friction": Friction,
+    "noise": Noise,
+    "tyre": Tyre,
+}
+"""What has the numbers in each part of a twin; of motors and joints by their names."""
+
+
 class RobotSample(Frozen):
     """Robots that are equally likely after a recording, instead of one.
 
@@ -162,6 +173,8 @@ class RobotSample(Frozen):
             motor, _, key = name.partition(" ")
             if key not in ({"static", "kinetic"} if motor == "friction" else known):
                 raise ValueError(f"'{name}' is not a number of a robot, such as wheel stall_torque")
+        if len({*self.numbers}) < len(self.numbers):
+            raise ValueError("`numbers` names one twice")
         if unlisted := [name for name in self.assumed if name not in self.numbers]:
             raise ValueError(f"'{unlisted[0]}' is assumed and is none of the numbers")
         for number, row in enumerate(self.robots):

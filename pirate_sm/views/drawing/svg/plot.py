@@ -62,7 +62,7 @@ class Plot:
         series: What is drawn, the last one on top.
         log_x: Whether the horizontal axis is logarithmic; then what is not positive is left out.
         most_y: What is higher is cut off; None: nothing.
-        y_names: What stands at 0, 1, … of the vertical axis, from below, instead of numbers.
+        y_names: Labels at 0, 1, … of the vertical axis, from below, instead of numbers.
     """
 
     title: str

@@ -95,6 +95,16 @@ def test_a_prediction_goes_with_one_recording_of_a_robot(
     assert "--predict goes with --robot and one recording" in told.output
 
 
+@pytest.mark.parametrize("options", [("--format", "json"), ("--workers", "1")])
+def test_what_only_a_prediction_has_is_refused_without_one(
+    pirate: Any, table: Path, options: tuple[str, ...]
+) -> None:
+    told = pirate("fit", table, *options)
+
+    assert told.exit_code == 2
+    assert "--format and --workers go with --predict" in told.output
+
+
 def test_only_a_simulated_robot_takes_the_numbers_of_a_twin(
     pirate_run: Any, tmp_path: Path
 ) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import pirate_sm
-from pirate_sm.core.loading import load_twin
+from pirate_sm.core._loading.robot.twin import load_twin
 from pirate_sm.lab.fitting.measurements import Estimate, MeasuredFile, read_measured
 from pirate_sm.lab.fitting.robot_numbers import (
     Intervals,

@@ -18,6 +18,8 @@ def test_the_normals_of_the_parts_follow_from_places_and_rolls(mission: str) -> 
     prepared = prepare(Order(mission, check=False))
     MissionRun(prepared.engine, prepared.backend, companions=prepared.companions).execute()
     physics: Any = vars(prepared.backend)["robot"].physics
+    for _ in range(125):  # 2 s, in which it comes to rest
+        physics.advance()
     places, rolls = tuple(physics.places()), tuple(physics.rolls())
     still = (0.0,) * len(places)
 
@@ -26,4 +28,4 @@ def test_the_normals_of_the_parts_follow_from_places_and_rolls(mission: str) -> 
     found = normals_of(pose, prepared.loaded.pipe.route(), link)
 
     for normal, true in zip(found, physics.state.normals, strict=True):
-        assert normal == pytest.approx(tuple(true), abs=1e-5)
+        assert normal == pytest.approx(tuple(true), abs=1e-6)

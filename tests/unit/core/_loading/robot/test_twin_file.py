@@ -10,7 +10,12 @@ from pirate_sm.core._loading.robot.loader import (
     load_robot,
     with_fitted,
 )
-from pirate_sm.core._loading.robot.twin import load_twin, simulated_profile, with_twin
+from pirate_sm.core._loading.robot.twin import (
+    load_twin,
+    simulated_profile,
+    twin_named,
+    with_twin,
+)
 from pirate_sm.core._loading.yaml.document import parse_document
 from pirate_sm.core.errors import PirateError
 from pirate_sm.running.wiring import Order, load
@@ -156,6 +161,7 @@ def test_a_robot_of_the_sample_is_named_by_its_number_or_by_the_seed(
         (SAMPLE.replace("0.06", "-1"), "robot 1 of the sample: wheel hold_torque"),
         (SAMPLE.replace("0.6", "0.1"), "kinetic friction cannot be more than static"),
         (SAMPLE.replace("assumed: [friction", "assumed: [wheel"), "'wheel static' is assumed"),
+        (SAMPLE.replace("friction static, friction", "friction kinetic, friction"), "one twice"),
         ("", "it has one robot and no `sample`"),
     ],
 )
@@ -165,3 +171,12 @@ def test_a_faulty_sample_is_refused(tmp_path: Path, sample: str, message: str) -
 
     with pytest.raises(PirateError, match=re.escape(message)):
         simulated_profile(PROFILE, f"{file}#1")
+
+
+def test_a_file_whose_name_ends_as_a_robot_of_a_sample_is_that_file(tmp_path: Path) -> None:
+    file = tmp_path / "mine#3"
+    assert twin_named(str(file), 0) == (str(tmp_path / "mine"), 3)
+
+    file.write_text(SAMPLE, "utf-8")
+
+    assert twin_named(str(file), 0) == (str(file), None)
