@@ -42,14 +42,15 @@ C_X, C_Y, C_Z, C_TX, C_TY, C_TZ, C_LENGTH, C_ARC, C_SX, C_SY, C_SZ = range(11)
 C_RADIUS, C_UX, C_UY, C_UZ = range(11, 15)
 LEG_COLUMNS = 15
 
-# Entries of `world`; the last three are for how many substeps directions and contacts are kept, in
-# which iteration joints are first pulled, and the share of a call in what the accelerometer shows.
+# Entries of `world`; the last four are for how many substeps directions and contacts are kept, in
+# which iteration joints are first pulled, the share of a call in what the accelerometer shows, and
+# on what share of its radius a wheel rolls at least, however it leans: on the edge of its tyre.
 DT, ITERATIONS, RADIUS, HALF_THICKNESS, CONTACT_COMPLIANCE, ANCHOR_MAX = range(6)
 G_X, G_Y, G_Z, MAG_X, MAG_Y, MAG_Z = range(6, 12)
 BLOCK_NODE, BLOCK_X, BLOCK_Y, BLOCK_Z, BLOCK_NX, BLOCK_NY, BLOCK_NZ = range(12, 19)
 ROLL_LINK, ROLL_TARGET, ROLL_RATE, ROLL_STALL, INERTIA_FRONT, INERTIA_REAR, IMU_LINK = range(19, 26)
-LOOK, PULL, FELT = 26, 27, 28
-WORLD_ENTRIES = 29
+LOOK, PULL, FELT, TYRE_EDGE = 26, 27, 28, 29
+WORLD_ENTRIES = 30
 
 # Blocks of `state`; the number times the count of wheels is where each begins. After the last one
 # stand the normals of the front and the rear part, their roll rates, the angle of the roll joint,

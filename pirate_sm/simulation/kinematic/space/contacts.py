@@ -224,7 +224,8 @@ def prepare_contacts(
         con[c, col.SIDE_W] = body[i, col.MASS_INV] + con[c, col.S_TURN] ** 2 * parts[p, col.N_INV_I]
         con[c, col.K_CREEP] = _SLIDING_SLIP_RAD
         if sine > 0.0:
-            who[c, col.OTHER] = _gear(c, i, sine, body, world, w, con)
+            rolls = max(sine, world[col.TYRE_EDGE])
+            who[c, col.OTHER] = _gear(c, i, rolls, body, world, w, con)
             continue
         con[c, col.K_CREEP] = 0.0
         con[c, col.K_RADIUS] = 0.0

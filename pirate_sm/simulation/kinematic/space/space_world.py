@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -108,6 +109,8 @@ class SpaceWorld(ChainWorld):
         self._own = self.quantities[own:]
         self._route = route
         self._fill(chain, EFFORTS[fidelity], _FIELD_UT)
+        half = min(chain.tyre_half_width_m / chain.wheel_radius_m, 1.0)
+        self._world[columns.TYRE_EDGE] = math.sqrt(1.0 - half * half)
         link = self._fill_roll_joint(chain)
         self._gravity = self._world[columns.G_X : columns.G_Z + 1]
         self.turn_gravity(route.up)

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -210,3 +211,20 @@ def test_equal_calls_give_equal_quantities_in_a_bend(place: Place) -> None:
         into_bend(robot)
         runs.append(robot.physics.quantities.tobytes())
     assert runs[0] == runs[1]
+
+
+@pytest.mark.parametrize("off_m", [0.0, 0.005, 0.012])
+def test_a_wheel_that_leans_rolls_no_smaller_than_on_the_edge_of_its_tyre(
+    place: Place, off_m: float
+) -> None:
+    # Beside the middle of the pipe the walls lean; a tyre of 12 mm touches 6 mm aside at most.
+    robot = place(round_pipe(), at=1.0, physics=SpaceWorld)
+    physics: Any = robot.physics
+    physics.state.position[:, 2] += off_m
+    robot.clamp(*ALL_JOINTS)
+    robot.run(0.2)
+    start, turned = robot.middle, np.array(robot.values("wheel"))
+    robot.drive(1.0)
+    robot.run(0.5)
+    rolled_m = 0.024 * np.abs(np.array(robot.values("wheel")) - turned).mean()
+    assert 1.0 < rolled_m / (robot.middle - start) + 0.005 < 0.01 + 1 / math.sqrt(1 - (6 / 24) ** 2)
