@@ -24,12 +24,13 @@ LEG_COLUMNS = 9
 
 # Entries of `world`: the step, the body's sizes, the contact, an obstacle, the roll joint, the
 # magnetic field in the axes of the drawing; for how many substeps directions and contacts are kept,
-# and in which iteration joints are first pulled.
+# in which iteration joints are first pulled, the share of a call in what the accelerometer shows,
+# and the force that resists rolling over the normal force.
 DT, ITERATIONS, RADIUS, HALF_THICKNESS, CONTACT_COMPLIANCE, ANCHOR_MAX, DEPTH = range(7)
 BLOCK_NODE, BLOCK_X, BLOCK_Y, BLOCK_NX, BLOCK_NY = range(7, 12)
 ROLL_LINK, ROLL_TARGET, ROLL_RATE, MAG_X, MAG_Y, MAG_Z, ROLL_STALL = range(12, 19)
-LOOK, PULL, FELT = 19, 20, 21
-WORLD_ENTRIES = 22
+LOOK, PULL, FELT, ROLLING_RESISTANCE = range(19, 23)
+WORLD_ENTRIES = 23
 
 # Blocks of `state`; the number times the count of wheels is the length of each.
 S_POSITION, S_VELOCITY, S_MOTOR, S_WHEEL, S_BEND, S_ANCHOR, S_TURNED, S_READ, S_ROLL = (
@@ -52,9 +53,9 @@ T_PRESS, T_DRIVE, T_GRIP, T_TORQUE, T_CURRENT, T_COLUMNS = range(6)
 # Scratch columns per contact, and per link at an inner corner.
 (
     NX, NY, N_INV, GAP, PUSH, GI_X, GI_Y, GO_X, GO_Y, T_INV, ROLLING, TARGET, C_SLOPE, C_MU,
-    C_FORCE,
-) = range(15)  # fmt: skip
-CONTACT_COLUMNS = 15
+    C_FORCE, C_STIFF, HELD,
+) = range(17)  # fmt: skip
+CONTACT_COLUMNS = 17
 K_NX, K_NY, K_SHARE, K_GAP, K_PUSH, K_INV, K_COLUMNS = range(7)
 NODE, OTHER, KEY = range(3)
 

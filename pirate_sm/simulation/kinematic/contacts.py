@@ -91,6 +91,7 @@ def aim(
     held = anchor[i, who[c, col.KEY]]
     slipping = abs(held) >= col.SLIPPED * world[col.ANCHOR_MAX]
     con[c, col.C_MU] = body[i, col.MU_KINETIC] if slipping else body[i, col.MU_STATIC]
+    con[c, col.HELD] = held
     con[c, col.TARGET] = w[i, col.SPIN] * world[col.RADIUS] + held
 
 
@@ -129,6 +130,7 @@ def prepare_contacts(
         mass_inv = body[i, col.MASS_INV] * (con[c, col.GI_X] ** 2 + con[c, col.GI_Y] ** 2)
         mass_inv += body[other, col.MASS_INV] * (hx * hx + hy * hy)
         con[c, col.T_INV] = 1.0 / (mass_inv + w[i, col.SLOPE])
+        con[c, col.C_STIFF] = 1.0 / mass_inv
 
 
 @compiled
@@ -143,10 +145,27 @@ def rolled_m(c: int, i: int, o: int, pos: Floats, w: Floats, con: Floats) -> flo
 
 
 @compiled
+def at_most(value: float, most: float) -> float:
+    """Return a value, or the nearest one whose size is this at most: what dry friction takes."""
+    return min(max(value, -most), most)
+
+
+@compiled
 def solve_contacts(
-    count: int, pos: Floats, body: Floats, compliance: float, w: Floats, con: Floats, who: Ints
+    count: int,
+    pos: Floats,
+    body: Floats,
+    world: Floats,
+    compliance: float,
+    w: Floats,
+    con: Floats,
+    who: Ints,
 ) -> None:
-    """Push out and roll each contact once, with friction within its cone."""
+    """Push out and roll each contact once, with friction within its cone.
+
+    A tyre resists rolling as dry friction of the axle would: it takes from the force of the motor
+    what is left to roll with, and no more than its share of the normal force.
+    """
     for c in range(count):
         i = who[c, col.NODE]
         inv = body[i, col.MASS_INV]
@@ -157,13 +176,18 @@ def solve_contacts(
         con[c, col.PUSH] = new
         pos[i, 0] += step * con[c, col.NX]
         pos[i, 1] += step * con[c, col.NY]
-        limit = min(con[c, col.C_MU] * new, con[c, col.C_FORCE])
+        drag = world[col.ROLLING_RESISTANCE] * new
+        limit = min(con[c, col.C_MU] * new, con[c, col.C_FORCE] + drag)
         old = con[c, col.ROLLING]
         if con[c, col.C_MU] == 0.0 or (limit == 0.0 and old == 0.0):
             continue
         o = who[c, col.OTHER]
-        left = con[c, col.TARGET] - rolled_m(c, i, o, pos, w, con) - con[c, col.C_SLOPE] * old
-        new = min(max(old + left * con[c, col.T_INV], -limit), limit)
+        rolled = rolled_m(c, i, o, pos, w, con)
+        left = con[c, col.TARGET] - rolled - con[c, col.C_SLOPE] * old
+        more = left * con[c, col.T_INV]
+        still = (con[c, col.HELD] - rolled) * con[c, col.C_STIFF]
+        more += at_most(still - more, con[c, col.C_SLOPE] * con[c, col.T_INV] * drag)
+        new = at_most(old + more, limit)
         con[c, col.ROLLING] = new
         step = inv * (new - old)
         pos[i, 0] += step * con[c, col.GI_X]

@@ -6,7 +6,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.kinematic import columns as col
-from pirate_sm.simulation.kinematic.contacts import rolled_m
+from pirate_sm.simulation.kinematic.contacts import at_most, rolled_m
 from pirate_sm.simulation.machine_code import compiled
 
 # --- joints --------------------------------------------------------------------------------------
@@ -186,19 +186,24 @@ def turn_wheels(
         i = who[c, col.NODE]
         rolled = rolled_m(c, i, who[c, col.OTHER], pos, w, con)
         force = con[c, col.ROLLING]
-        left = con[c, col.TARGET] - rolled - con[c, col.C_SLOPE] * force
-        tally[i, col.T_DRIVE] += abs(force)
+        slope = con[c, col.C_SLOPE]
+        drag = world[col.ROLLING_RESISTANCE] * con[c, col.PUSH]
+        bears = con[c, col.C_FORCE] + drag
+        lost = slope * force
+        dragged = at_most(con[c, col.TARGET] - con[c, col.HELD] - lost, slope * drag)
+        lost += dragged
+        left = con[c, col.TARGET] - rolled - lost
+        motor = force + dragged / slope if slope > 0.0 else force
+        tally[i, col.T_DRIVE] += min(abs(motor), con[c, col.C_FORCE])
         tally[i, col.T_GRIP] += force
         friction = con[c, col.C_MU] * con[c, col.PUSH]
-        stalled = con[c, col.C_FORCE] < friction and abs(force) >= REACHED * con[c, col.C_FORCE]
+        stalled = bears < friction and abs(force) >= REACHED * bears
         slips = abs(left) >= bound and not stalled and abs(force) >= REACHED * friction
         if not stalled:
             most = bound if slips else col.STUCK * bound
             anchor[i, who[c, col.KEY]] = min(max(left, -most), most)
         if touch[i] == c:
-            wheel[i] += (
-                w[i, col.SPIN] - con[c, col.C_SLOPE] * force / radius if slips else rolled / radius
-            )
+            wheel[i] += w[i, col.SPIN] - lost / radius if slips else rolled / radius
     for i in range(n):
         if touch[i] < 0:
             wheel[i] += w[i, col.SPIN]

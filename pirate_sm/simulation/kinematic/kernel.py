@@ -367,7 +367,7 @@ def advance(
         for k in range(int(world[col.ITERATIONS])):
             if k >= world[col.PULL]:
                 solve_joints(n, pos, bend, motor, body, dt * dt, w)
-            solve_contacts(count, pos, body, compliance, w, con, who)
+            solve_contacts(count, pos, body, world, compliance, w, con, who)
             solve_corners(corners, pos, body, compliance, w, cor, at_corner)
             solve_links(n, pos, body, w)
         for i in range(n):

@@ -149,7 +149,7 @@ class ChainWorld:
     def __init__(self, chain: ChainBody, friction: Friction, cycle_s: float) -> None:
         self.body: Floats = body_array(chain, friction)
         self.duties: Floats = np.zeros(2 * chain.nodes)
-        self._felt = chain.felt_share(cycle_s)
+        self._felt, self._resistance = chain.felt_share(cycle_s), chain.rolling_resistance
         self._steps = max(1, round(cycle_s / STEP_S))
         self._world: Floats = np.zeros(self._columns.WORLD_ENTRIES)
         self._world[self._columns.DT] = cycle_s / self._steps
@@ -183,6 +183,7 @@ class ChainWorld:
         if any(pose.motors_rad) and not pose.rolls_rad:
             cycles = round(SETTLING_S / STEP_S / self._steps)
             settle(self.advance, cycles, self._columns, state, self.body, self._gravity)
+        self._world[self._columns.ROLLING_RESISTANCE] = self._resistance
         before = state.copy()
         self._world[self._columns.FELT] = 1.0
         self._functions.advance(*arrays, 1)

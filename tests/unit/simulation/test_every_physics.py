@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from pirate_sm.core.geometry import GRAVITY_M_S2
+from pirate_sm.core.geometry import GRAVITY_M_S2, Route
+from pirate_sm.core.models import Friction, Profile
 from pirate_sm.simulation.kinematic.space.space_world import SpaceWorld
 from pirate_sm.simulation.kinematic.world import World as KinematicWorld
 from pirate_sm.simulation.mujoco.world import MujocoWorld
-from pirate_sm.simulation.physics import MakePhysics
+from pirate_sm.simulation.physics import ChainBody, MakePhysics, QuantityLayout
+from pirate_sm.simulation.start_pose import stand
 
 from .conftest import CYCLE_S, Driver, bend, straight
 
 Place = Callable[..., Driver]
 
 JOINTS = (1, 2, 3, 4)
+FRICTION = Friction(static=0.7, kinetic=0.5)
 WORLDS = {
     "kinematic, plane": (KinematicWorld, "bars"),
     "kinematic, space": (SpaceWorld, "round"),
@@ -66,6 +70,64 @@ def test_a_wound_spring_keeps_its_torque_without_duty(put: Place) -> None:
     robot = put()
     robot.run(5.0)
     assert min(robot.values("press")) > 2.0
+
+
+@pytest.mark.parametrize("resistance", [0.0, 0.02])
+def test_driving_level_costs_what_the_tyres_resist(
+    put: Place, profile: Profile, resistance: float
+) -> None:
+    # By hand: each motor bears coefficient times normal force times radius, whatever it turns.
+    tyre = profile.simulation.tyre.model_copy(update={"rolling_resistance": resistance})
+    simulation = profile.simulation.model_copy(update={"tyre": tyre})
+    robot = put(at=2.5, robot=profile.model_copy(update={"simulation": simulation}))
+    robot.clamp(*JOINTS)
+    robot.run(1.0)
+    start = robot.middle
+    robot.drive(1.0)
+    robot.run(2.0)
+    needed_nm = resistance * sum(robot.values("press")) * 0.024
+    assert sum(robot.values("drive")) == pytest.approx(needed_nm, rel=0.02, abs=2e-3)
+    # A motor slows down by the share of its stall torque that it bears.
+    way_m = 2.0 * 0.1 * (1.0 - needed_nm / 6 / 0.3)
+    assert robot.middle - start == pytest.approx(way_m, rel=0.02)
+
+
+@pytest.mark.parametrize("world", WORLDS)
+def test_rolling_resistance_stops_a_robot_and_never_drives_it(chain: ChainBody, world: str) -> None:
+    physics, section = WORLDS[world]
+    free = tuple(replace(wheel, hold_nm=0.0) for wheel in chain.wheels)
+    made = replace(chain, wheels=free, rolling_resistance=0.05)
+    route = Route(straight(section=section))
+    clamped = {1: -0.5, 2: 0.5, 3: -0.5, 4: 0.5}
+    robot = physics(made, route, FRICTION, stand(made, route, 2.0, clamped), CYCLE_S)
+    robot.duties[1:5] = [-0.5, 0.5, -0.5, 0.5]
+    for drive, cycles in ((1.0, 100), (0.0, 100)):
+        robot.duties[6:] = [drive, -drive] * 3
+        for _ in range(cycles):
+            robot.advance()
+    at_rest = np.array(robot.places())
+    for _ in range(100):
+        robot.advance()
+    assert at_rest[:, 0].mean() > 1.9
+    assert np.array(robot.places()) == pytest.approx(at_rest, abs=2e-4)
+
+
+@pytest.mark.parametrize("world", WORLDS)
+def test_a_motor_too_weak_for_its_tyres_moves_nothing(chain: ChainBody, world: str) -> None:
+    physics, section = WORLDS[world]
+    made, route = replace(chain, rolling_resistance=0.05), Route(straight(section=section))
+    clamped = {1: -0.5, 2: 0.5, 3: -0.5, 4: 0.5}
+    robot = physics(made, route, FRICTION, stand(made, route, 2.0, clamped), CYCLE_S)
+    robot.duties[1:5] = [-0.5, 0.5, -0.5, 0.5]
+    layout = QuantityLayout(6)
+    robot.duties[6:] = [0.03, -0.03] * 3
+    for _ in range(100):
+        robot.advance()
+    start = np.array(robot.places())
+    for _ in range(200):
+        robot.advance()
+    assert np.array(robot.places()) == pytest.approx(start, abs=3e-4)
+    assert robot.quantities[layout.block("drive")] == pytest.approx([0.009] * 6, rel=0.05)
 
 
 @pytest.mark.parametrize("duty", [1.0, -0.4])

@@ -57,7 +57,7 @@ class Friction(Coefficients):
 
 
 class Tyre(Frozen):
-    """How the tyre of a wheel rolls and spins on a wall, on the backend physics.
+    """How the tyre of a wheel rolls and spins on a wall.
 
     Attributes:
         rolling_resistance: Force that resists rolling, over the normal force. Tyres of cars have
@@ -65,7 +65,7 @@ class Tyre(Frozen):
             small wheels somewhat more [assumed].
         spin_radius: Torque of friction against spinning on the spot, over the force of friction:
             3 pi / 16 of the radius of the contact (Hertz), which is 2.4 mm for a wheel of 24 mm
-            that is pressed in by 0.25 mm [assumed].
+            that is pressed in by 0.25 mm [assumed]. The backend physics alone reads it.
     """
 
     rolling_resistance: Annotated[Ratio, Field(ge=0, le=0.2)] = 0.0

@@ -42,15 +42,16 @@ C_X, C_Y, C_Z, C_TX, C_TY, C_TZ, C_LENGTH, C_ARC, C_SX, C_SY, C_SZ = range(11)
 C_RADIUS, C_UX, C_UY, C_UZ = range(11, 15)
 LEG_COLUMNS = 15
 
-# Entries of `world`; the last four are for how many substeps directions and contacts are kept, in
+# Entries of `world`; the last five are for how many substeps directions and contacts are kept, in
 # which iteration joints are first pulled, the share of a call in what the accelerometer shows, and
-# on what share of its radius a wheel rolls at least, however it leans: on the edge of its tyre.
+# on what share of its radius a wheel rolls at least, however it leans: on the edge of its tyre; and
+# the force that resists rolling over the normal force.
 DT, ITERATIONS, RADIUS, HALF_THICKNESS, CONTACT_COMPLIANCE, ANCHOR_MAX = range(6)
 G_X, G_Y, G_Z, MAG_X, MAG_Y, MAG_Z = range(6, 12)
 BLOCK_NODE, BLOCK_X, BLOCK_Y, BLOCK_Z, BLOCK_NX, BLOCK_NY, BLOCK_NZ = range(12, 19)
 ROLL_LINK, ROLL_TARGET, ROLL_RATE, ROLL_STALL, INERTIA_FRONT, INERTIA_REAR, IMU_LINK = range(19, 26)
-LOOK, PULL, FELT, TYRE_EDGE = 26, 27, 28, 29
-WORLD_ENTRIES = 30
+LOOK, PULL, FELT, TYRE_EDGE, ROLLING_RESISTANCE = range(26, 31)
+WORLD_ENTRIES = 31
 
 # Blocks of `state`; the number times the count of wheels is where each begins. After the last one
 # stand the normals of the front and the rear part, their roll rates, the angle of the roll joint,
@@ -88,7 +89,8 @@ T_PRESS, T_DRIVE, T_GRIP, T_TORQUE, T_CURRENT, T_COLUMNS = range(6)
 NX, NY, NZ, GAP, PUSH, PUSH_INV = range(6)
 GI_X, GI_Y, GI_Z, GO_X, GO_Y, GO_Z, DRIVE, DRIVE_INV, TARGET, K_SLOPE, K_FORCE = range(6, 17)
 SX, SY, SZ, S_TURN, SIDE, SIDE_W, S_TARGET, K_MU, K_RADIUS, K_CREEP, DISTANCE = range(17, 28)
-CONTACT_COLUMNS = 28
+K_STIFF, HELD = 28, 29
+CONTACT_COLUMNS = 30
 NODE, OTHER, SURFACE, PART = range(4)
 # Scratch columns per contact of a link.
 K_NX, K_NY, K_NZ, K_SHARE, K_GAP, K_PUSH, K_INV, K_COLUMNS = range(8)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.kinematic.contacts import at_most
 from pirate_sm.simulation.kinematic.space import columns as col
 from pirate_sm.simulation.kinematic.space.walls import faces_edge, foot, on_edge
 from pirate_sm.simulation.machine_code import compiled
@@ -148,6 +149,7 @@ def recall(
     slipped = col.SLIPPED * world[col.ANCHOR_MAX]
     slipping = drive * drive + side * side >= slipped * slipped
     con[c, col.K_MU] = body[i, col.MU_KINETIC] if slipping else body[i, col.MU_STATIC]
+    con[c, col.HELD] = drive
     con[c, col.TARGET] = drive
     con[c, col.S_TARGET] = side
 
@@ -181,6 +183,7 @@ def _gear(c: int, i: int, sine: float, body: Floats, world: Floats, w: Floats, c
     con[c, col.TARGET] += w[i, col.SPIN] * radius
     mass_inv = body[i, col.MASS_INV] * own + body[other, col.MASS_INV] * across
     con[c, col.DRIVE_INV] = 1.0 / (mass_inv + con[c, col.K_SLOPE])
+    con[c, col.K_STIFF] = 1.0 / mass_inv
     return other
 
 
@@ -231,14 +234,21 @@ def prepare_contacts(
         con[c, col.K_RADIUS] = 0.0
         con[c, col.K_SLOPE] = 0.0
         con[c, col.K_FORCE] = np.inf
-        con[c, col.DRIVE_INV] = 1.0 / body[i, col.MASS_INV]
+        con[c, col.DRIVE_INV] = con[c, col.K_STIFF] = 1.0 / body[i, col.MASS_INV]
         for k in range(3):
             con[c, col.GO_X + k] = 0.0
 
 
 @compiled
 def solve_contacts(
-    count: int, mov: Floats, body: Floats, compliance: float, parts: Floats, con: Floats, who: Ints
+    count: int,
+    mov: Floats,
+    body: Floats,
+    world: Floats,
+    compliance: float,
+    parts: Floats,
+    con: Floats,
+    who: Ints,
 ) -> None:
     """Push out, roll and hold each contact once, with friction within its cone."""
     for c in range(count):
@@ -273,8 +283,11 @@ def solve_contacts(
         slid = con[c, col.SX] * x + con[c, col.SY] * y + con[c, col.SZ] * z
         slid += con[c, col.S_TURN] * parts[p, col.N_ROLL]
         left = con[c, col.TARGET] - rolled - con[c, col.K_SLOPE] * drive
-        to_drive = drive + left * con[c, col.DRIVE_INV]
-        to_drive = min(max(to_drive, -con[c, col.K_FORCE]), con[c, col.K_FORCE])
+        drag = world[col.ROLLING_RESISTANCE] * new
+        more = left * con[c, col.DRIVE_INV]
+        still = (con[c, col.HELD] - rolled) * con[c, col.K_STIFF]
+        more += at_most(still - more, con[c, col.K_SLOPE] * con[c, col.DRIVE_INV] * drag)
+        to_drive = at_most(drive + more, con[c, col.K_FORCE] + drag)
         creep = con[c, col.K_CREEP] * abs(rolled)
         # At a limit of 0 the circle below leaves nothing.
         to_side = side

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.kinematic.contacts import at_most
 from pirate_sm.simulation.kinematic.joints_and_motors import REACHED, resist, strongest
 from pirate_sm.simulation.kinematic.space import columns as col
 from pirate_sm.simulation.machine_code import compiled
@@ -169,16 +170,23 @@ def turn_wheels(
         drive = con[c, col.DRIVE]
         side = con[c, col.SIDE]
         rolled = _rolled(c, i, who[c, col.OTHER], mov, con)
-        left = con[c, col.TARGET] - rolled - con[c, col.K_SLOPE] * drive
+        slope = con[c, col.K_SLOPE]
+        drag = world[col.ROLLING_RESISTANCE] * con[c, col.PUSH]
+        bears = con[c, col.K_FORCE] + drag
+        lost = slope * drive
+        dragged = at_most(con[c, col.TARGET] - con[c, col.HELD] - lost, slope * drag)
+        lost += dragged
+        left = con[c, col.TARGET] - rolled - lost
+        motor = drive + dragged / slope if slope > 0.0 else drive
         aside = (
             con[c, col.S_TARGET]
             - _slid(c, i, mov, parts, con, who[c, col.PART])
             - _crept(c, rolled, con)
         )
-        tally[i, col.T_DRIVE] += abs(drive) * con[c, col.K_RADIUS]
+        tally[i, col.T_DRIVE] += min(abs(motor), con[c, col.K_FORCE]) * con[c, col.K_RADIUS]
         tally[i, col.T_GRIP] += drive
         friction = con[c, col.K_MU] * con[c, col.PUSH]
-        stalled = con[c, col.K_FORCE] < friction and abs(drive) >= REACHED * con[c, col.K_FORCE]
+        stalled = bears < friction and abs(drive) >= REACHED * bears
         if stalled:
             left = 0.0
         away = np.sqrt(left * left + aside * aside)
@@ -193,7 +201,7 @@ def turn_wheels(
             if con[c, col.K_RADIUS] == 0.0 or (slips and not stalled):
                 wheel[i] += w[i, col.SPIN]
                 if con[c, col.K_RADIUS] != 0.0:
-                    wheel[i] -= con[c, col.K_SLOPE] * drive / con[c, col.K_RADIUS]
+                    wheel[i] -= lost / con[c, col.K_RADIUS]
             else:
                 wheel[i] += rolled / con[c, col.K_RADIUS]
     for i in range(n):

@@ -352,7 +352,7 @@ def advance(
                 solve_joints(n, mov, bend, motor, body, dt * dt, w)
             solve_planes(n, mov, body, world, w, parts, off)
             twist = solve_twist(roll, parts, dt, twist)
-            solve_contacts(count, mov, body, compliance, parts, con, who)
+            solve_contacts(count, mov, body, world, compliance, parts, con, who)
             solve_leaning(leans, mov, body, compliance, w, cor, leaning)
             solve_links(n, mov, body, w)
         for i in range(n):

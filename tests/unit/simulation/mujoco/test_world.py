@@ -115,40 +115,6 @@ def test_wheels_spin_on_the_spot_against_the_friction_of_their_contact(
     assert model.geom_friction[wheels, :2] == pytest.approx(np.array([[0.7, 0.7 * 0.002]] * 6))
 
 
-@pytest.mark.parametrize("section", ["bars", "round"])
-def test_rolling_resistance_costs_what_hand_calculation_says(
-    place: Place, profile: Profile, section: str
-) -> None:
-    tyre = profile.simulation.tyre.model_copy(update={"rolling_resistance": 0.02})
-    simulation = profile.simulation.model_copy(update={"tyre": tyre})
-    rubber = profile.model_copy(update={"simulation": simulation})
-    robot = place(straight(section=section), at=2.5, robot=rubber, physics=MujocoWorld)
-    robot.clamp(1, 2, 3, 4)
-    robot.run(1.0)
-    robot.drive(1.0)
-    robot.run(2.0)
-    needed_nm = 0.02 * sum(robot.values("press")) * 0.024
-    assert sum(robot.values("drive")) == pytest.approx(needed_nm, rel=0.02)
-
-
-def test_rolling_resistance_stops_a_robot_and_never_drives_it(chain: ChainBody) -> None:
-    free = tuple(replace(wheel, hold_nm=0.0) for wheel in chain.wheels)
-    made = replace(chain, wheels=free, rolling_resistance=0.05)
-    route = Route(straight())
-    clamped = {1: -0.5, 2: 0.5, 3: -0.5, 4: 0.5}
-    robot = MujocoWorld(made, route, FRICTION, stand(made, route, 2.0, clamped), CYCLE_S)
-    robot.duties[1:5] = [-0.5, 0.5, -0.5, 0.5]
-    for drive, cycles in ((1.0, 100), (0.0, 100)):
-        robot.duties[6:] = [drive, -drive] * 3
-        for _ in range(cycles):
-            robot.advance()
-    at_rest = np.array(robot.places())
-    for _ in range(100):
-        robot.advance()
-    assert at_rest[:, 0].mean() > 1.9
-    assert np.array(robot.places()) == pytest.approx(at_rest, abs=2e-4)
-
-
 def test_a_world_that_has_become_unstable_says_so(
     chain: ChainBody, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
