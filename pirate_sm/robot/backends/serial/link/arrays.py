@@ -370,10 +370,14 @@ class SetpointLink:
         if not flight.reported:
             flight.reported, flight.began_s = True, now
             self._report(flight.order.setpoint_id, "accepted", "")
-        if number == flight.numbers[-1]:
-            self._flight = None
-        else:
-            del flight.numbers[: place + 1]  # only later copies still matter
+        later = flight.numbers[place + 1 :]
+        if later and not flight.needed:
+            flight.numbers[:] = later  # only these still matter
+            return
+        # The device has the array again, and later copies are refreshes of it. Where these follow
+        # each other faster than a round trip, the echo of none would be that of the last.
+        self._unanswered |= {each: Unanswered(self._recent[each][1]) for each in later}
+        self._flight = None
 
     def _confirm_overtaken(self, older: ArrayUnderWay, counts: Integers) -> None:
         """Report an array that was in force until the newer one came."""

@@ -348,6 +348,21 @@ def test_a_device_that_may_have_forgotten_the_last_array_gets_it_again(line: Lin
     assert not line.fates, "it has its result already"
 
 
+def test_copies_that_follow_faster_than_a_round_trip_confirm_the_last_array_again() -> None:
+    line = Line(Refreshing(every_s=0.2, stop_after_s=0.5))
+    line.hear(0.75)
+    line.link.submit(1, (0.1,), line.now_s)
+    line.run(2.0)
+
+    line.link.reassert(line.now_s)
+    line.run(line.now_s + 2 * ROUND_TRIP_S)
+    assert line.link.idle
+    line.run(line.now_s + 10.0)
+
+    assert line.link.confirmed == (100,)
+    assert line.link.quality.lost_one_way < 0.6, "late echoes are no losses"
+
+
 def test_a_last_array_that_is_not_confirmed_again_is_a_fault(line: Line) -> None:
     line.link.submit(1, (0.1,), line.now_s)
     line.run(0.5)
