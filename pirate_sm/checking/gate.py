@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterable, Sequence
-from typing import ClassVar
+from dataclasses import fields, replace
+from typing import ClassVar, Final
 
 from pirate_sm.checking.findings import Finding, Severity, settle
-from pirate_sm.checking.mission.check_mission import MissionCheck, check_loaded
+from pirate_sm.checking.mission.check_mission import check_loaded
 from pirate_sm.checking.reports.check_report import CheckedFile, CheckReport
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.core.documents import FileKind
@@ -32,22 +34,23 @@ _OF_BENDS = frozenset({"word.never"})
 """Codes that hold only for a detector whose words are about the bends of the pipe."""
 
 
-def pass_or_raise(loaded: LoadedMission, *, words_of_bends: bool = True) -> MissionCheck:
-    """Return the result of a mission's check, or raise an error if it has errors.
+_CHECKED: Final[deque[tuple[LoadedMission, tuple[Finding, ...]]]] = deque(maxlen=8)
+"""The latest missions and what was found in them: a program runs the same few again and again."""
+
+
+def pass_or_raise(loaded: LoadedMission, *, words_of_bends: bool = True) -> tuple[Finding, ...]:
+    """Return the findings of a mission that do not prevent its run, or raise an error.
 
     Args:
         loaded: The mission.
         words_of_bends: Whether the run's detector speaks of the bends of the pipe alone.
 
-    Returns:
-        The check, with findings that do not prevent the run.
-
     Raises:
         CheckError: The mission has errors that its files do not allow.
     """
     texts = {document.name: document.text for document in loaded.documents}
-    check = check_loaded(loaded)
-    settled = settle(check.findings, texts)
+    found = _found_in(loaded)
+    settled = settle(found, texts)
     spared = frozenset() if words_of_bends else _OF_BENDS
     faults = tuple(
         each
@@ -56,7 +59,23 @@ def pass_or_raise(loaded: LoadedMission, *, words_of_bends: bool = True) -> Miss
     )
     if faults:
         raise CheckError((loaded.documents[0].name,), faults)
-    return check
+    return found
+
+
+def _found_in(loaded: LoadedMission) -> tuple[Finding, ...]:
+    """Return what the check finds in a mission, which is not explored again if it is known."""
+    for known, found in tuple(_CHECKED):
+        if _same(known, loaded):
+            return found
+    found = check_loaded(loaded).findings
+    _CHECKED.append((loaded, found))
+    return found
+
+
+def _same(one: LoadedMission, other: LoadedMission) -> bool:
+    """Return whether two missions are the same; each has a robot of its own, alike or not."""
+    robots = ([getattr(it.robot, each.name) for each in fields(it.robot)] for it in (one, other))
+    return replace(one, robot=other.robot) == other and next(robots) == next(robots)
 
 
 def all_pass_or_raise(missions: Iterable[LoadedMission]) -> None:

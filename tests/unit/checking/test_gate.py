@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from checking.robots import NEWT, changed
+from checking.robots import NEWT, ROOT, changed
 from checking.small_missions import MISSION
+from pirate_sm.checking import gate
 from pirate_sm.checking.gate import CheckError, pass_or_raise
-from pirate_sm.core.loading import load_mission
+from pirate_sm.core.loading import LoadedMission, load_mission
+from pirate_sm.robot.calibration_files import with_zeros
 from pirate_sm.running.wiring import Order, prepare
 
 
@@ -47,6 +52,42 @@ def test_what_is_allowed_does_not_stop_it(tmp_path: Path) -> None:
         passes(tmp_path, text)
 
     passes(tmp_path, text.replace(wrong, f"{wrong}  # pirate: allow step.unneeded: so"))
+
+
+DRIVE_ON = partial(load_mission, ROOT / "sequences" / "drive_on.yaml")
+
+
+def elsewhere() -> LoadedMission:
+    loaded = DRIVE_ON()
+    return replace(loaded, program=replace(loaded.program, start_configuration=1))
+
+
+def with_other_zeros() -> LoadedMission:
+    loaded = DRIVE_ON()
+    return replace(loaded, robot=with_zeros(loaded.robot, {"gamma_1": 0.1}))
+
+
+@pytest.mark.parametrize(
+    ("other", "explored"),
+    [
+        (DRIVE_ON, 1),
+        (partial(DRIVE_ON, settings={"way": "300 mm"}), 2),
+        (partial(DRIVE_ON, pipe="mitre_90"), 2),
+        (elsewhere, 2),
+        (with_other_zeros, 2),
+    ],
+)
+def test_only_the_same_mission_is_not_explored_again(
+    other: Callable[[], LoadedMission], explored: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    check, seen = gate.check_loaded, []
+    gate._CHECKED.clear()
+    monkeypatch.setattr(gate, "check_loaded", lambda loaded: seen.append(loaded) or check(loaded))
+
+    for each in (DRIVE_ON(), other()):
+        assert pass_or_raise(each) == check(each).findings
+
+    assert len(seen) == explored
 
 
 @pytest.mark.parametrize(
