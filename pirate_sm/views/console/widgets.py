@@ -323,11 +323,10 @@ class RobotApp(App[None]):
 
     def lay_out(self, width: int, height: int) -> None:
         """Fit everything to the size of the terminal and the chosen page."""
-        base = self.screen_stack[0]
-        base.set_class(width < _WIDE or height < _HIGH, "-paged")
-        base.set_class(width >= _LARGE and height >= _TALL, "-large")
-        for number, name in enumerate(self.pages):
-            base.set_class(number == self.page, f"-{name}")
+        paged, large = width < _WIDE or height < _HIGH, width >= _LARGE and height >= _TALL
+        pages = {f"-{name}": number == self.page for number, name in enumerate(self.pages)}
+        # Together, because each change of a class styles every widget again.
+        self.screen_stack[0].update_classes({"-paged": paged, "-large": large, **pages})
 
     def on_base(self, kind: type[_W], name: str) -> _W:
         """Return a widget of the app itself, also behind a dialog."""
