@@ -126,7 +126,7 @@ pictures: $(VENV)/.ready-pictures
 	$(BIN)/python -m website.pictures
 
 schemas: $(VENV)/.ready-dev
-	for kind in mission pipe profile chart profile_extension chart_extension camera panel campaign scene; do \
+	for kind in mission pipe profile chart profile_extension chart_extension camera panel campaign scene twin; do \
 	    $(BIN)/pirate schema $$kind > schemas/$$kind.schema.json || exit; done
 	for robot in hardware_profiles/*/; do \
 	    $(BIN)/pirate schema mission --robot $$robot > $${robot}mission.schema.json || exit; done

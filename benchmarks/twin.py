@@ -106,6 +106,7 @@ def try_out(folder: Path, times: int, seed: int) -> Trial:
     rows = tuple(
         (true[number.motor, number.key.split(",")[0]], number)
         for number in robot_numbers([measured])
+        if number.motor or number.is_friction
     )
     return Trial(seed, f"{run.outcome}: {run.message}", minutes, rows)
 

@@ -12,7 +12,7 @@ from typing import Any, Final
 from pirate_sm.cli.model_schema import DRAFT, schema_of
 from pirate_sm.core.expressions import KEYWORDS, EnumType
 from pirate_sm.core.loading import LoadedRobot
-from pirate_sm.core.models import Mission, PipeFile, Profile
+from pirate_sm.core.models import Mission, PipeFile, Profile, Twin
 from pirate_sm.core.robot import USUAL
 from pirate_sm.core.units import describe
 from pirate_sm.lab.campaign.campaign_model import Campaign, Scene
@@ -289,6 +289,7 @@ KINDS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "panel": lambda: schema_of(Panel, "Control panel"),
     "campaign": lambda: schema_of(Campaign, "Campaign"),
     "scene": lambda: schema_of(Scene, "Scene of the gallery"),
+    "twin": lambda: schema_of(Twin, "Twin of a robot"),
 }
 """The kinds of files that have a schema."""
 

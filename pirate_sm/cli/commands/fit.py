@@ -42,8 +42,12 @@ if TYPE_CHECKING:
 NOTHING = 1
 
 
+_SEEN = 0.05
+"""A number that narrows by less is not named; a file has all."""
+
 _PREDICTED_HEADER = ("kind", "board", "command", "place", "nth", "from_s", "low", "high",
                      "recorded", "held")  # fmt: skip
+_ADVISED_HEADER = ("mission", "number", "gain", "error", "takes_s", "succeeded", "robots")
 _ROBOT_HEADER = ("motor", "number", "unit", "value", "low", "high", "reason")
 
 
@@ -55,10 +59,14 @@ def run_fit(options: FitOptions) -> int:
         UsageError: A signal is missing, an option does not fit, or a file cannot be written.
     """
     _refuse_losses(options)
+    if options.predict and options.advise:
+        raise UsageError("--predict and --advise are two questions: ask one after the other")
     if options.predict:
         return _predict(options)
-    if options.format != "text" or options.workers is not None:
-        raise UsageError("--format and --workers go with --predict")
+    if options.advise:
+        return _advise(options)
+    if options.format != "text" or (options.workers, options.robots) != (None, None):
+        raise UsageError("--format, --robots and --workers go with --predict and --advise")
     if options.robot:
         return _fit_robot(_measured(options.runs), options)
     curves = _curves(options)
@@ -89,7 +97,8 @@ def _refuse_losses(options: FitOptions) -> None:
     """Refuse to write over other files; a pipe file is changed in place, which is meant."""
     runs = list(map(Path, options.runs))
     places = [each for each in (options.output, options.csv) if each]
-    tables = [csv_line(_HEADER), csv_line(_ROBOT_HEADER), csv_line(_PREDICTED_HEADER)]
+    tables = [csv_line(_HEADER), csv_line(_ROBOT_HEADER), csv_line(_PREDICTED_HEADER),
+              csv_line(_ADVISED_HEADER)]  # fmt: skip
     if options.write is not None and options.robot:
         places.append(options.write)
     elif options.write is not None:
@@ -237,10 +246,14 @@ def _predict(options: FitOptions) -> int:
     """
     if not options.robot or len(options.runs) != 1 or options.write or options.output:
         raise UsageError("--predict goes with --robot and one recording, without --write and -o")
-    from pirate_sm.lab.fitting.prediction import SHARE, UNITS, coverage, predict
+    from pirate_sm.lab.fitting.prediction import LEAST_ROBOTS, SHARE, UNITS, coverage, predict
+    from pirate_sm.lab.fitting.twin_file import ROBOTS
 
+    robots = ROBOTS if options.robots is None else options.robots
+    if robots < LEAST_ROBOTS:
+        raise UsageError(f"--robots {robots} are too few to predict: {LEAST_ROBOTS} at least")
     with progress("simulating") as watch:
-        made = predict(Path(options.runs[0]), options.robots, options.workers, watch)
+        made = predict(Path(options.runs[0]), robots, options.workers, watch)
     found = made.predicted
     rows = [(*each.quantity, each.from_s, each.low, each.high, each.recorded, each.held)
             for each in found]  # fmt: skip
@@ -271,6 +284,42 @@ def _predict(options: FitOptions) -> int:
     if made.failed:
         print(f"{made.failed} of {made.robots} robots cannot run the mission")
     return 0 if found else NOTHING
+
+
+def _advise(options: FitOptions) -> int:
+    """Print what each shipped mission is expected to tell of the robot; return the exit code.
+
+    Raises:
+        RecordingError: A recording cannot be read.
+        UsageError: The options do not fit, or no robot can run a shipped mission.
+    """
+    if not options.robot or options.write or options.output:
+        raise UsageError("--advise goes with --robot, without --write and -o")
+    from pirate_sm.lab.fitting import advice
+
+    measured = _measured(options.runs)
+    missions = advice.missions_for(_one_robot([each.profile for each in measured]).robot)
+    robots = advice.ROBOTS if options.robots is None else options.robots
+    with progress("simulating") as watch:
+        found, left_out = advice.advise(measured, missions, robots, options.workers, watch)
+    if options.csv:
+        rows = [(one.mission, number, *gain, one.takes_s, one.succeeded, one.robots)
+                for one in found
+                for number, gain in (("all, bits", one.bits), *one.narrower.items())]  # fmt: skip
+        write_csv(options.csv, _ADVISED_HEADER, rows)
+    if options.format == "json":
+        print(json.dumps({"format": 1, "advised": [each.as_data() for each in found],
+                          "left_out": left_out, "robots": robots}))  # fmt: skip
+        return 0
+    for one in found:
+        numbers = sorted(one.narrower.items(), key=lambda item: -item[1].mean)
+        shown = [f"{name} by {share.mean:.0%}" for name, share in numbers if share.mean >= _SEEN]
+        gain = f"{one.bits.mean:5.2f} ± {one.bits.error:.2f} bits"
+        ends = f"{one.takes_s:5.0f} s, {one.succeeded} of {one.robots} succeed"
+        print(visible(f"{gain}  {one.mission:<26} {ends}; narrows {', '.join(shown) or 'nothing'}"))
+    for mission, reason in left_out.items():
+        print(visible(f"left out  {mission}: {reason}"))
+    return 0
 
 
 def _one_robot(profiles: list[Profile | None]) -> Profile:

@@ -60,10 +60,17 @@ class FitOptions(CommandOptions):
     predict: bool = flag(
         "With --robot: fit the first half of a recording and predict the second.", "--predict"
     )
-    robots: int = typed("Robots that predict.", min=19, max=200, default=64)
+    advise: bool = flag(
+        "With --robot: which shipped mission to record next, by what it is expected to tell.",
+        "--advise",
+    )
+    robots: int | None = typed(
+        "Robots that predict, 64 unless given, 19 at least; that run each mission to advise, 4.",
+        min=2, max=200, metavar="N",
+    )  # fmt: skip
     workers: int | None = typed("Processes that simulate; one each processor.", min=1, metavar="N")
     format: Literal["text", "json"] = typed(
-        "What --predict writes to standard output.", "--format", default="text"
+        "What --predict and --advise write to standard output.", "--format", default="text"
     )
     overwrite: bool = common.overwrite()
 

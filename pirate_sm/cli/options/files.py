@@ -52,6 +52,7 @@ class SchemaOptions(CommandOptions):
         "panel",
         "campaign",
         "scene",
+        "twin",
     ] = argument(None, None, "Of which files.")
     robot: str | None = common.a_robot("Missions for this robot: its commands, its states.")
 

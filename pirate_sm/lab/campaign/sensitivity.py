@@ -234,8 +234,9 @@ class Decided:
             return f"{which}, fewer than {_LEAST_SHARE:.0%}: the rest is not a sample"
         if not self.numbers:
             return f"{which}, too few or all alike: nothing decides it here"
-        unit = f", in {self.unit}" if self.unit and self.method == "morris" else ""
-        return f"{which}{unit}"
+        if self.method == "sobol":
+            return f"{which}; total has what a number does together with others and with the noise"
+        return f"{which}, in {self.unit}" if self.unit else which
 
 
 def decided(

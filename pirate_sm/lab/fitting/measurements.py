@@ -329,5 +329,6 @@ def estimate_of(rows: Floats, statistic: Callable[[Floats], float], shortest: in
             for picked in random.integers(len(stretches), size=(DRAWS, len(stretches)))
         ]
     )
-    low, high = np.nanquantile(drawn, [0.025, 0.975])
+    known = np.isfinite(drawn).any()
+    low, high = np.nanquantile(drawn, [0.025, 0.975]) if known else (nan, nan)
     return Estimate(statistic(rows), float(low), float(high), draws=drawn)

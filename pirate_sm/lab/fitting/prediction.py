@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from math import ceil, nan
@@ -21,6 +22,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pirate_sm.api.arguments import Mission
+from pirate_sm.api.result import Run
 from pirate_sm.api.running import run
 from pirate_sm.core.errors import PirateError, UsageError
 from pirate_sm.core.models import SIMULATORS
@@ -35,6 +38,7 @@ from pirate_sm.lab.fitting.measurements import (
 )
 from pirate_sm.lab.fitting.robot_numbers import load_signals, robot_numbers
 from pirate_sm.lab.fitting.twin_file import twin_text
+from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 
@@ -213,24 +217,37 @@ def in_processes(
 def _simulated(path: Path, twin: Path, number: int) -> Mapping[CommandValue, float] | str:
     """Return what a robot of the sample does in the recorded mission, or why it does nothing."""
     header = replace(read_recording(path).header, zeros={})  # a simulated joint has none
-    options = {key: header.options[key] for key in _KEPT_OPTIONS if key in header.options}
-    backend = header.backend if header.backend in SIMULATORS else "sim"
-    file = twin.with_name(f"{number}.mcap")
     try:
-        with recorded_mission(header) as loaded:
-            run(
-                loaded,
-                backend,
-                seed=_SEEDS_FROM + number,
-                record=file,
-                check=False,
-                **{**options, "twin": f"{twin}#{number}"},
-            )
-        return quantities(read_measured(file))
+        with (
+            recorded_mission(header) as loaded,
+            simulated(loaded, header, twin, number) as (_, measured),
+        ):
+            return quantities(measured)
     except PirateError as error:
         return str(error)
-    finally:
-        file.unlink(missing_ok=True)
+
+
+@contextmanager
+def simulated(
+    mission: Mission, header: RunHeader, twin: Path, number: int
+) -> Iterator[tuple[Run, MeasuredFile]]:
+    """Yield how a mission ends for a robot of a sample, and what its recording holds.
+
+    Args:
+        mission: What is run; it is not checked.
+        header: Of a recording: the robot is simulated under the same options.
+        twin: The file with the sample, next to which the recording is kept for the moment.
+        number: Of the robot.
+
+    Raises:
+        PirateError: It cannot be run.
+    """
+    options = {key: header.options[key] for key in _KEPT_OPTIONS if key in header.options}
+    backend = header.backend if header.backend in SIMULATORS else "sim"
+    with TemporaryDirectory(dir=twin.parent) as folder:
+        file = Path(folder) / "run.mcap"
+        options |= {"twin": f"{twin}#{number}", "record": file, "seed": _SEEDS_FROM + number}
+        yield run(mission, backend, check=False, **options), read_measured(file)
 
 
 def quantities(measured: MeasuredFile) -> dict[CommandValue, float]:

@@ -225,7 +225,12 @@ _TURNED_RAD_S, _TURNED_SHARE = 0.3, 0.75
 part of an interval and borne less then: so the upper quartile counts. Noise raises that, so the
 interval reaches down to the median."""
 
+_FRICTION = "kinetic friction"
 _STILL, _STEADY = "it hardly moved", "its load hardly varied"
+
+_STANDS_RAD_S, _ALL_BUT = 0.02, 0.05
+"""A joint that stands turns no faster than this, the noise of 0.05 deg in 0.1 s [assumed]. In this
+share of the intervals it bears less than the threshold."""
 
 _LEAST = 15
 """Fewer intervals say nothing."""
@@ -239,7 +244,7 @@ class RobotNumber:
     """A number of the robot.
 
     Attributes:
-        motor: Kind of motor; empty for friction.
+        motor: Kind of motor; empty for friction, and for what no simulator takes.
         key: Its key in the profile, or what it is.
         unit: Its SI unit.
         estimate: What the recording says.
@@ -249,6 +254,11 @@ class RobotNumber:
     key: str
     unit: str
     estimate: Estimate
+
+    @property
+    def is_friction(self) -> bool:
+        """Whether it is friction of a part."""
+        return self.key.startswith(_FRICTION)
 
 
 def robot_numbers(measured: Sequence[MeasuredFile]) -> list[RobotNumber]:
@@ -298,8 +308,29 @@ def _motor_numbers(name: str, motor: Motor, parts: list[Intervals]) -> Iterator[
     if motor.kind == "geared":
         yield from wheel_numbers(name, rows, all_)
         return
+    stall = _estimate(rows, _stall, _STEADY)
     yield RobotNumber(name, "no_load_speed", "rad/s", _estimate(rows, _speed, _STILL))
-    yield RobotNumber(name, "stall_torque", "Nm", _estimate(rows, _stall, _STEADY))
+    yield RobotNumber(name, "stall_torque", "Nm", stall)
+    yield RobotNumber("", f"clamp threshold, {name}", "", clamp_threshold(all_, stall))
+
+
+def clamp_threshold(all_: Intervals, stall: Estimate) -> Estimate:
+    """Return the share of what its motor gives that a standing joint bears nearly always.
+
+    A clamp that counts from a larger share on (`share` in a profile) may never be confirmed: in
+    the thesis joints bore 0.16 to 1.92 Nm where their motors should give 0.7 (section 7-1-1).
+    """
+    standing = (all_.duty > 0) & (all_.load > 0) & (np.abs(all_.rate) < _STANDS_RAD_S)
+    if not stall.known:
+        return Estimate(reason="it is a share of a stall torque that is unknown")
+    shares = all_.load[standing] / (all_.duty[standing] * stall.value)
+    found = _estimate(shares[:, None], _nearly_always, "no joint stood against its motor")
+    wide = stall.high / stall.value, stall.low / stall.value
+    return replace(found, low=found.low / wide[0], high=found.high / wide[1])
+
+
+def _nearly_always(shares: Floats) -> float:
+    return float(np.quantile(shares, _ALL_BUT))
 
 
 def wheel_numbers(name: str, rows: Floats, all_: Intervals) -> Iterator[RobotNumber]:
@@ -401,7 +432,7 @@ def _frictions(measured: Sequence[MeasuredFile], profile: Profile) -> Iterator[R
             for number in numbers
             if has(each.columns, [signals.known.format(number), signals.torque.format(number)])
         ]
-        yield RobotNumber("", f"kinetic friction, {part}", "", _kinetic(rows))
+        yield RobotNumber("", f"{_FRICTION}, {part}", "", _kinetic(rows))
 
 
 def _known_friction(columns: Columns, number: str, signals: SlipSignalNames) -> Floats:

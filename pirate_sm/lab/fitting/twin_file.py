@@ -49,22 +49,24 @@ def sample_of(profile: Profile, numbers: Sequence[RobotNumber], robots: int) -> 
         if not each.motor:
             continue
         name, draws = f"{each.motor} {each.key}", each.estimate.likely
+        places = random.uniform(size=DRAWS)  # the same of a number, whatever else is known
         if not each.estimate.known:
             value = getattr(profile.motors[each.motor], each.key)
             if not value:
                 continue
             assumed.append(name)
-            draws = _assumed(random, value, each.estimate.low)
+            draws = _assumed(places, value, each.estimate.low)
         columns[name] = draws
+    places, surplus = random.uniform(size=(2, DRAWS))
     friction = profile.simulation.friction
-    parts = [each.estimate.likely for each in numbers if not each.motor and each.estimate.known]
+    parts = [each.estimate.likely for each in numbers if each.is_friction and each.estimate.known]
     if parts or friction.kinetic:
         if not parts:
             assumed.append("friction kinetic")
         assumed.append("friction static")
-        kinetic = np.mean(parts, axis=0) if parts else _assumed(random, friction.kinetic, np.nan)
+        kinetic = np.mean(parts, axis=0) if parts else _assumed(places, friction.kinetic, np.nan)
         kinetic = np.minimum(kinetic, _MOST_FRICTION)
-        static = kinetic * (1 + (_static_share(profile) - 1) * random.uniform(0, 2, DRAWS))
+        static = kinetic * (1 + (_static_share(profile) - 1) * 2 * surplus)
         columns["friction kinetic"] = kinetic
         columns["friction static"] = np.minimum(static, _MOST_FRICTION)
     if not columns:
@@ -82,11 +84,11 @@ def _static_share(profile: Profile) -> float:
     return friction.static / friction.kinetic if friction.kinetic else 1.0
 
 
-def _assumed(random: np.random.Generator, value: float, least: float) -> Floats:
+def _assumed(places: Floats, value: float, least: float) -> Floats:
     """Return draws around a value of the profile, none below what the recording has shown."""
     low = value / _ASSUMED_WITHIN if isnan(least) else max(value / _ASSUMED_WITHIN, least)
     high = max(value, low) * _ASSUMED_WITHIN
-    draws: Floats = np.exp(random.uniform(np.log(low), np.log(high), DRAWS))
+    draws: Floats = low * (high / low) ** places
     return draws
 
 
@@ -127,7 +129,7 @@ def twin_text(
             lines.append(f"# unknown: {what}: {each.estimate.reason}")
         elif not each.motor:
             lines.append(f"# {each.key}: {each.estimate.value:.3f}")
-    kinetic = [each.estimate.value for each in numbers if not each.motor and each.estimate.known]
+    kinetic = [each.estimate.value for each in numbers if each.is_friction and each.estimate.known]
     if kinetic:
         mean = sum(kinetic) / len(kinetic)
         static = min(mean * _static_share(profile), _MOST_FRICTION)

@@ -195,7 +195,8 @@ class Twin(Frozen):
         joints: The same of the motor of one joint, instead of those of its kind.
         friction: Between wheel and wall, instead of the profile's.
         sample: Robots that may all be this one; FILE#3 names one of them.
-        noise: Of the sensors; what is left out stays, as of ``tyre``.
+        noise: Of the sensors; what is left out stays.
+        tyre: Of every wheel; what is left out stays.
     """
 
     format: Format

@@ -1,10 +1,14 @@
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+
+import pirate_sm
+from pirate_sm.lab.fitting import advice
 
 
 @pytest.fixture
@@ -95,14 +99,58 @@ def test_a_prediction_goes_with_one_recording_of_a_robot(
     assert "--predict goes with --robot and one recording" in told.output
 
 
-@pytest.mark.parametrize("options", [("--format", "json"), ("--workers", "1")])
+def test_advice_goes_with_a_recording_of_a_robot(pirate: Any, table: Path) -> None:
+    assert "--advise goes with --robot" in pirate("fit", table, "--advise").output
+    both = pirate("fit", table, "--robot", "--advise", "--predict")
+    assert (both.exit_code, "are two questions" in both.output) == (2, True)
+    told = pirate("fit", table, "--robot", "--advise")
+    assert told.exit_code == 2
+    assert "a table does not say what the robot was commanded" in told.output
+
+
+def test_a_prediction_by_a_few_robots_is_refused(pirate: Any, table: Path) -> None:
+    told = pirate("fit", table, "--robot", "--predict", "--robots", "18")
+
+    assert (told.exit_code, "19 at least" in told.output) == (2, True)
+
+
+def test_advice_is_printed_the_most_first_and_written_with_every_number(
+    pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    numbers = {"wheel hold_torque": (0.9, 0.01), "bend stall_torque": (0.01, 0.002)}
+    narrower = {name: advice.MeanGain(*gain) for name, gain in numbers.items()}
+    found = advice.MissionAdvice("climb", advice.MeanGain(3.25, 0.5), narrower, 31.2, 3, 4)
+    monkeypatch.setattr(advice, "advise", lambda *_: ([found], {"level": "there is no pipe"}))
+    run, csv = tmp_path / "run.mcap", tmp_path / "advised.csv"
+    pirate_sm.run("exp_2c_clamp", record=run)
+
+    told = pirate("fit", "--robot", run, "--advise", "--csv", csv)
+
+    assert told.stdout.splitlines() == [
+        " 3.25 ± 0.50 bits  climb                         31 s, 3 of 4 succeed; "
+        "narrows wheel hold_torque by 90%",
+        "left out  level: there is no pipe",
+    ]
+    assert csv.read_text().splitlines() == [
+        "mission,number,gain,error,takes_s,succeeded,robots",
+        'climb,"all, bits",3.25,0.5,31.2,3,4',
+        "climb,wheel hold_torque,0.9,0.01,31.2,3,4",
+        "climb,bend stall_torque,0.01,0.002,31.2,3,4",
+    ]
+    data = json.loads(pirate("fit", "--robot", run, "--advise", "--format", "json").stdout)
+    assert data["advised"][0]["bits"] == {"mean": 3.25, "error": 0.5}
+    assert data["advised"][0]["narrower"]["wheel hold_torque"] == {"mean": 0.9, "error": 0.01}
+    assert data["left_out"] == {"level": "there is no pipe"}
+
+
+@pytest.mark.parametrize("options", [("--format", "json"), ("--workers", "1"), ("--robots", "64")])
 def test_what_only_a_prediction_has_is_refused_without_one(
     pirate: Any, table: Path, options: tuple[str, ...]
 ) -> None:
     told = pirate("fit", table, *options)
 
     assert told.exit_code == 2
-    assert "--format and --workers go with --predict" in told.output
+    assert "--format, --robots and --workers go with --predict and --advise" in told.output
 
 
 def test_only_a_simulated_robot_takes_the_numbers_of_a_twin(

@@ -24,6 +24,7 @@ PAGES = {
     "panel": ["panel.md"],
     "campaign": ["campaigns.md"],
     "scene": ["demo.md"],
+    "twin": ["experiments.md", "campaigns.md"],
 }
 _CODE = re.compile(r"```.*?```|`[^`]+`", re.DOTALL)
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

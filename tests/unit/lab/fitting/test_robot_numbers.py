@@ -9,6 +9,7 @@ from pirate_sm.lab.fitting.measurements import Estimate, MeasuredFile, read_meas
 from pirate_sm.lab.fitting.robot_numbers import (
     Intervals,
     RobotNumber,
+    clamp_threshold,
     driven,
     robot_numbers,
     wheel_numbers,
@@ -116,7 +117,7 @@ def test_friction_is_the_median_where_wheels_slip_under_load(measured: MeasuredF
 
     found = robot_numbers([on_paper(measured, made)])
 
-    friction = {each.key: each.estimate for each in found if not each.motor}
+    friction = {each.key: each.estimate for each in found if each.is_friction}
     assert friction["kinetic friction, front"].value == pytest.approx(0.2, rel=0.05)
     assert friction["kinetic friction, rear"].value == pytest.approx(0.5, rel=0.05)
 
@@ -145,7 +146,7 @@ def test_the_interval_of_friction_holds_the_error_of_the_normal_forces(
 
     found = robot_numbers([on_paper(measured, made | torques)])
 
-    (front, _) = (each.estimate for each in found if not each.motor)
+    (front, _) = (each.estimate for each in found if each.is_friction)
     assert (front.low, front.high) == pytest.approx((0.3 * 0.95, 0.3 * 1.05))
 
 
@@ -312,3 +313,19 @@ def test_the_methods_error_of_holding_is_not_that_of_the_stall() -> None:
     assert stall.known
     assert hold.known
     assert abs(np.corrcoef(hold.draws, stall.draws)[0, 1]) < 0.4
+
+
+def test_the_clamp_threshold_is_what_standing_joints_nearly_always_bear() -> None:
+    share = np.linspace(0.6, 1.0, 101)
+    duty = np.full_like(share, 0.7)
+    rate = np.where(np.arange(101) % 2, 0.0, 0.5)
+    standing = Intervals(duty, rate, share * duty * 2.0, np.zeros_like(share))
+
+    found = clamp_threshold(standing, Estimate(2.0, 1.9, 2.1))
+
+    assert found.value == pytest.approx(0.624, abs=0.005)
+    assert found.low < 0.6
+    assert found.high > 0.63
+    none = Intervals(duty, rate + 0.5, standing.load, standing.change)
+    assert "no joint stood" in clamp_threshold(none, Estimate(2.0, 1.9, 2.1)).reason
+    assert "unknown" in clamp_threshold(standing, Estimate()).reason

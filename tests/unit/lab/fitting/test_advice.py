@@ -1,0 +1,103 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pirate_sm
+from pirate_sm.core.errors import UsageError
+from pirate_sm.lab.fitting.advice import advise, gained, missions_for
+from pirate_sm.lab.fitting.measurements import DRAWS, Estimate, read_measured
+from pirate_sm.lab.fitting.robot_numbers import RobotNumber, robot_numbers
+
+UNKNOWN = Estimate(reason="it hardly moved")
+CLAMP = """
+format: 1
+mission: {name}
+robot: pirate_ii
+{pipe}
+start: clamp
+phases: {{clamp: {{do: [ClampFront], go: done}}}}
+ends: {{done: {{succeed: Clamped}}}}
+"""
+PIPE = "pipe: {diameter: 113 mm, segments: [{straight: 2 m}], start: {at: 1 m}}"
+
+
+def known(value: float, share: float, seed: int) -> Estimate:
+    """A value whose draws have this standard deviation, as a share of it."""
+    off = np.random.default_rng(seed).normal(size=DRAWS)
+    return Estimate(value, draws=value * (1 + share * (off - off.mean()) / off.std()))
+
+
+def numbers(stall: Estimate, speed: Estimate) -> list[RobotNumber]:
+    return [RobotNumber("bend", "stall_torque", "Nm", stall),
+            RobotNumber("bend", "no_load_speed", "rad/s", speed)]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def profile():
+    return pirate_sm.load("mitre_bend").loaded_robot.profile
+
+
+def test_a_number_that_nothing_showed_is_gained_most_of_all(profile) -> None:
+    before = numbers(known(1.0, 0.1, 1), UNKNOWN)
+
+    bits, narrower = gained(profile, before, numbers(UNKNOWN, known(1.0, 0.1, 2)))
+
+    assert narrower["bend stall_torque"] == 0
+    assert narrower["bend no_load_speed"] == pytest.approx(0.875, abs=0.01)  # 0.8 to 0.1
+    assert bits == pytest.approx(3.0, abs=0.1)
+
+
+def test_as_good_a_recording_again_narrows_by_one_over_the_root_of_two(profile) -> None:
+    before = numbers(known(1.0, 0.2, 1), UNKNOWN)
+
+    bits, narrower = gained(profile, before, numbers(known(1.1, 0.2, 2), UNKNOWN))
+
+    assert narrower["bend stall_torque"] == pytest.approx(0.29, abs=0.04)
+    assert bits == pytest.approx(0.5, abs=0.1)
+
+
+def test_an_error_that_the_method_makes_each_time_does_not_narrow(profile) -> None:
+    before = numbers(known(1.0, 0.1, 1), UNKNOWN)
+
+    bits, narrower = gained(profile, before, numbers(known(1.2, 0.1, 1), UNKNOWN))
+
+    assert narrower["bend stall_torque"] == pytest.approx(0, abs=1e-6)
+    assert bits == pytest.approx(0, abs=1e-6)
+
+
+def test_a_bound_narrows_what_is_assumed_and_knowing_nothing_new_gains_nothing(profile) -> None:
+    before = numbers(UNKNOWN, UNKNOWN)
+
+    bits, narrower = gained(profile, before, numbers(Estimate(low=0.9, reason="at least"), UNKNOWN))
+
+    assert 0.3 < narrower["bend stall_torque"] < 0.6
+    assert bits > 0.5
+    assert gained(profile, before, before)[0] == 0
+    assert gained(profile, before, [])[0] == 0
+
+
+@pytest.mark.thorough
+def test_what_missions_tell_is_simulated_and_what_cannot_run_is_left_out(tmp_path: Path) -> None:
+    missions = [tmp_path / f"{name}.yaml" for name in ("clamps", "nowhere")]
+    for mission, pipe in zip(missions, (PIPE, ""), strict=True):
+        mission.write_text(CLAMP.format(name=mission.stem, pipe=pipe))
+    pirate_sm.run(str(missions[0]), record=tmp_path / "run.mcap")
+    measured = read_measured(tmp_path / "run.mcap")
+
+    (found,), left_out = advise([measured], missions, 2, 1, lambda share: None)
+
+    assert (found.mission, found.robots, found.succeeded) == ("clamps", 2, 2)
+    assert found.narrower["bend no_load_speed"].mean >= 0
+    assert {f"{each.motor} {each.key}" for each in robot_numbers([measured]) if each.motor} <= {
+        *found.narrower
+    }
+    assert "pipe" in left_out["nowhere"]
+    with pytest.raises(UsageError, match=r"no two robots can run a mission: .*pipe"):
+        advise([measured], missions[1:], 2, 1, lambda share: None)
+
+
+def test_only_missions_of_the_robot_are_advised() -> None:
+    assert "mitre_bend" in {each.stem for each in missions_for("pirate_ii")}
+    with pytest.raises(UsageError, match="no shipped mission is for the robot newt"):
+        missions_for("newt")
