@@ -217,10 +217,10 @@ class Topic:
     def _spelled(self, columns: dict[str, Any]) -> dict[str, Any]:
         spelled = dict(columns)
         for number, (name, kind) in enumerate(self.fields):
-            if number == self.spread and NUMBER.encode is not None:
+            if number == self.spread:
                 each = columns[name].items()
                 spelled[name] = {key: list(map(NUMBER.encode, column)) for key, column in each}
-            elif kind.encode is not None:
+            else:
                 spelled[name] = list(map(kind.encode, columns[name]))
         return spelled
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from math import inf, nan
 from types import NoneType, UnionType
@@ -40,20 +40,24 @@ JsonSchema: TypeAlias = dict[str, Any]
 T = TypeVar("T")
 
 
+def _as_it_is(value: Any) -> Any:
+    return value
+
+
 @dataclass(frozen=True)
 class JsonKind:
     """The JSON encoding of one type.
 
     Attributes:
+        decode: Returns the value of JSON, or raises ``ValueError``.
+        encode: Returns the JSON of a value.
         words: Description of the JSON, for readers of the file.
         schema: Its JSON Schema if it is always a number, text or truth value; else None.
-        decode: Returns the value of JSON, or raises ``ValueError``.
-        encode: Returns JSON of a value with a NaN or an infinity; None if there can be none.
     """
 
-    words: str
     decode: Callable[[Any], Any]
-    encode: Callable[[Any], Any] | None = None
+    encode: Callable[[Any], Any] = _as_it_is
+    words: str = ""
     schema: JsonSchema | None = None
 
 
@@ -95,71 +99,39 @@ truth = _only(bool, "neither true nor false")
 text = _only(str, "no text")
 
 
-def _word(value: Any) -> str | None:
-    return None if value is None else text(value)
-
-
-def _pairs(words: str, decode: Callable[[Any], Any]) -> JsonKind:
-    return JsonKind(
-        f"array of pairs of a name and a {words}",
-        lambda pairs: tuple((text(name), decode(value)) for name, value in pairs),
-    )
-
-
-def _record(kind: type[T], values: list[Any]) -> T:
-    """Return the named tuple with these JSON values in the order of its fields."""
-    hints = get_type_hints(kind)
-    fields = zip(hints.items(), values, strict=True)
-    return kind(*[kind_of(hint).decode(value) for (_, hint), value in fields])
-
-
 _NUMBER = 'number, null where unknown, "inf" or "-inf" where infinite'
 
-NUMBER = JsonKind(_NUMBER, number_from_json, number_to_json)
-WHOLE = JsonKind("whole number", whole, schema={"type": "integer"})
-TEXT = JsonKind("text", text, schema={"type": "string"})
-NUMBERS = JsonKind(
-    f"array of numbers, each a {_NUMBER}",
-    lambda values: tuple(number_from_json(value) for value in values),
-    lambda values: [number_to_json(value) for value in values],
-)
-_TEXTS = JsonKind("array of texts", lambda values: tuple(text(value) for value in values))
-_NUMBERS_BY_NAME = _pairs(_NUMBER, number_from_json)
+NUMBER = JsonKind(number_from_json, number_to_json, _NUMBER)
+WHOLE = JsonKind(whole, words="whole number", schema={"type": "integer"})
 
-_KINDS: dict[Any, JsonKind] = {
+_PLAIN: dict[Any, JsonKind] = {
     float: NUMBER,
     int: WHOLE,
-    bool: JsonKind("true or false", truth, schema={"type": "boolean"}),
-    str: TEXT,
-    tuple[float, ...]: NUMBERS,
-    tuple[str, ...]: _TEXTS,
-    tuple[tuple[str, float], ...]: JsonKind(
-        _NUMBERS_BY_NAME.words,
-        _NUMBERS_BY_NAME.decode,
-        lambda pairs: [[name, number_to_json(value)] for name, value in pairs],
-    ),
-    tuple[Unmet, ...]: JsonKind(
-        f"array of unmet conditions, each an array of {', '.join(Unmet._fields)}",
-        lambda rows: tuple([_record(Unmet, row) for row in rows]),
-        lambda rows: [
-            [number_to_json(each) if type(each) is float else each for each in row] for row in rows
-        ],
-    ),
-    tuple[tuple[str, str | None], ...]: _pairs("text, null where unknown", _word),
+    bool: JsonKind(truth, words="true or false", schema={"type": "boolean"}),
+    str: JsonKind(text, words="text", schema={"type": "string"}),
 }
+
+_WORDS: dict[Any, str] = {
+    tuple[float, ...]: f"array of numbers, each a {_NUMBER}",
+    tuple[str, ...]: "array of texts",
+    tuple[tuple[str, float], ...]: f"array of pairs of a name and a {_NUMBER}",
+    tuple[tuple[str, str | None], ...]: "array of pairs of a name and a text, null where unknown",
+    tuple[Unmet, ...]: f"array of unmet conditions, each an array of {', '.join(Unmet._fields)}",
+}
+"""What fields of events and effects hold besides single values."""
 
 
 def kind_of(hint: Any) -> JsonKind:
-    """Return the encoding of this type.
+    """Return the encoding of this type of a field of events and effects, described in words.
 
     Raises:
         KeyError: The type has no encoding.
     """
-    if get_origin(hint) is Literal:
-        words = get_args(hint)
-        schema = {"type": "string", "enum": list(words)}
-        return JsonKind(f"one of {', '.join(words)}", one_of(words), schema=schema)
-    return _KINDS[hint]
+    if get_origin(hint) is Literal or hint in _PLAIN:
+        return _form(hint)
+    words = _WORDS[hint]
+    form = _row(_listed(Unmet)) if hint == tuple[Unmet, ...] else _form(hint)
+    return replace(form, words=words)
 
 
 def one_of(words: tuple[str, ...]) -> Callable[[Any], str]:
@@ -174,13 +146,6 @@ def one_of(words: tuple[str, ...]) -> Callable[[Any], str]:
 
 
 # --- records --------------------------------------------------------------------------------------
-
-
-class _Form(NamedTuple):
-    """How values of one type are encoded as JSON and decoded."""
-
-    encode: Callable[[Any], Any]
-    decode: Callable[[Any], Any]
 
 
 def state_to_text(state: EngineState) -> str:
@@ -255,7 +220,7 @@ def _from_text(kind: Any, written: str) -> Any:
 
 
 @cache
-def _form(hint: Any) -> _Form:
+def _form(hint: Any) -> JsonKind:
     """Return the encoding of values of this type.
 
     Raises:
@@ -265,7 +230,8 @@ def _form(hint: Any) -> _Form:
     if origin in (Union, UnionType):
         return _optional(*args) if NoneType in args else _one_of_records(args)
     if origin is Literal:
-        return _Form(_as_it_is, one_of(args))
+        schema = {"type": "string", "enum": list(args)}
+        return JsonKind(one_of(args), words=f"one of {', '.join(args)}", schema=schema)
     if origin is frozenset:
         return _set(_form(args[0]))
     if origin is tuple:
@@ -273,44 +239,46 @@ def _form(hint: Any) -> _Form:
     return _PLAIN[hint] if hint in _PLAIN else _form_of_record(hint)
 
 
-def _as_it_is(value: Any) -> Any:
-    return value
-
-
-def _optional(hint: Any, none: Any) -> _Form:
+def _optional(hint: Any, none: Any) -> JsonKind:
     if none is not NoneType or hint is float:  # null is an unknown number
         raise KeyError(hint)
     form = _form(hint)
-    return _Form(
-        lambda value: None if value is None else form.encode(value),
+    return JsonKind(
         lambda value: None if value is None else form.decode(value),
+        lambda value: None if value is None else form.encode(value),
     )
 
 
-def _row(form: _Form) -> _Form:
-    return _Form(
-        lambda values: [form.encode(value) for value in values],
+def _row(form: JsonKind) -> JsonKind:
+    return JsonKind(
         lambda values: tuple([form.decode(value) for value in values]),
+        lambda values: [form.encode(value) for value in values],
     )
 
 
-def _set(form: _Form) -> _Form:
-    return _Form(
-        lambda values: [form.encode(value) for value in sorted(values)],
+def _set(form: JsonKind) -> JsonKind:
+    return JsonKind(
         lambda values: frozenset([form.decode(value) for value in values]),
+        lambda values: [form.encode(value) for value in sorted(values)],
     )
 
 
-def _fixed(forms: list[_Form]) -> _Form:
-    return _Form(
-        lambda values: [form.encode(value) for form, value in zip(forms, values, strict=True)],
+def _fixed(forms: list[JsonKind]) -> JsonKind:
+    return JsonKind(
         lambda values: tuple(
             [form.decode(value) for form, value in zip(forms, values, strict=True)]
         ),
+        lambda values: [form.encode(value) for form, value in zip(forms, values, strict=True)],
     )
 
 
-def _one_of_records(kinds: tuple[type[Any], ...]) -> _Form:
+def _listed(kind: Any) -> JsonKind:
+    """Return the encoding of a named tuple as an array of its fields."""
+    form = _fixed([*map(_form, get_type_hints(kind).values())])
+    return replace(form, decode=lambda values: kind(*form.decode(values)))
+
+
+def _one_of_records(kinds: tuple[type[Any], ...]) -> JsonKind:
     """Return the encoding of one of several records, which differ in their fields."""
 
     def decode(values: dict[str, Any]) -> Any:
@@ -323,10 +291,10 @@ def _one_of_records(kinds: tuple[type[Any], ...]) -> _Form:
         kind: Any = type(value)
         return _form(kind).encode(value)
 
-    return _Form(encode, decode)
+    return JsonKind(decode, encode)
 
 
-def _form_of_record(kind: Any) -> _Form:
+def _form_of_record(kind: Any) -> JsonKind:
     """Return the encoding of a named tuple: an object with exactly its fields."""
     if not issubclass(kind, tuple):
         raise KeyError(kind)
@@ -340,17 +308,9 @@ def _form_of_record(kind: Any) -> _Form:
         known = {name: form.decode(values[name]) for name, form in forms if name in values}
         return kind(**known)
 
-    return _Form(
+    return JsonKind(
+        decode,
         lambda values: {
             name: form.encode(value) for (name, form), value in zip(forms, values, strict=True)
         },
-        decode,
     )
-
-
-_PLAIN: dict[Any, _Form] = {
-    float: _Form(number_to_json, number_from_json),
-    int: _Form(_as_it_is, whole),
-    bool: _Form(_as_it_is, truth),
-    str: _Form(_as_it_is, text),
-}
