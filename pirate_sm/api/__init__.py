@@ -3,6 +3,8 @@
 Everything here does what the command line does, with the package's own exceptions.
 """
 
+# ruff: noqa: F401
+# mypy: implicit-reexport
 from __future__ import annotations
 
 from pirate_sm.api.arguments import Mission, check, load
@@ -15,28 +17,3 @@ from pirate_sm.core.documents import LoadError
 from pirate_sm.core.errors import BackendError, PirateError, RecordingError, UsageError
 from pirate_sm.core.expressions import ExpressionError
 from pirate_sm.core.loading import LoadedMission
-
-__all__ = [
-    "BackendError",
-    "CheckError",
-    "Columns",
-    "ExpressionError",
-    "Finding",
-    "LoadError",
-    "LoadedMission",
-    "Mission",
-    "Page",
-    "PirateError",
-    "RecordingError",
-    "Run",
-    "Session",
-    "UsageError",
-    "advance_all",
-    "batch",
-    "check",
-    "load",
-    "read",
-    "run",
-    "session",
-    "sweep",
-]

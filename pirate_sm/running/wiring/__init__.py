@@ -1,5 +1,6 @@
 """Puts mission, engine, backend and detector together; the only place that picks a backend."""
 
+# mypy: implicit-reexport
 from __future__ import annotations
 
 from dataclasses import fields, replace
@@ -30,19 +31,6 @@ from pirate_sm.running.wiring.prepared import (
     Say,
     choose_panel,
 )
-
-__all__ = [
-    "BACKENDS",
-    "Order",
-    "Prepared",
-    "again",
-    "answers",
-    "chosen",
-    "fit_of",
-    "load",
-    "placed",
-    "prepare",
-]
 
 BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
