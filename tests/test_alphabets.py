@@ -45,10 +45,10 @@ ALPHABETS = {
         ("core/_engine/engine.py", "core/_engine/inputs.py", "views/report/timeline.py"),
     ),
     "effect": Alphabet(
-        "core/_model/effects.py",
+        "core/effects.py",
         "    | Ended",
         "NewEffect(NamedTuple)",
-        ("core/_model/effects.py",),
+        ("core/effects.py",),
     ),
     "instruction": Alphabet(
         "core/_engine/mission/program.py",

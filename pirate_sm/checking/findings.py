@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import yaml
 
 from pirate_sm.checking import catalogue
-from pirate_sm.core.documents import LARGEST_FILE, Edit, Locator, Place, Problem, Severity, cut
+from pirate_sm.core.documents import LARGEST_FILE, Document, Edit, Place, Problem, Severity, cut
 
 if TYPE_CHECKING:
     from pirate_sm.checking.exploring.exploration import Exploration
@@ -86,7 +86,7 @@ def usual_severity(code: str) -> Severity:
 
 
 def at(
-    document: Locator,
+    document: Document,
     place: Place,
     code: str,
     message: str,

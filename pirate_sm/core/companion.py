@@ -12,9 +12,9 @@ from typing import Protocol, runtime_checkable
 from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.state import EngineState
-from pirate_sm.core._model.effects import Effect, Log
 from pirate_sm.core._model.events import Event
 from pirate_sm.core._model.whereabouts import Look, WordWatch
+from pirate_sm.core.effects import Effect, Log
 
 
 class Companion(Protocol):

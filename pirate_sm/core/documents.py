@@ -7,7 +7,6 @@ from __future__ import annotations
 from pirate_sm.core._loading.problems import (
     Edit,
     LoadError,
-    Locator,
     Path,
     Place,
     Problem,

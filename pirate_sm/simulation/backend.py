@@ -29,7 +29,7 @@ from pirate_sm.simulation.gliding.glider import Glider
 from pirate_sm.simulation.kinematic.world import kinematic
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.simulated_robot import FullTruth, SimulatedRobot
-from pirate_sm.simulation.start_pose import Standing
+from pirate_sm.simulation.standing import Standing
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
 
 # `advance` returns after this time even if the robot reports nothing.

@@ -25,7 +25,6 @@ from pirate_sm.core.events import (
 from pirate_sm.core.geometry import GRAVITY_M_S2, Bend, drawn_walls
 from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.simulation.acting_defect import Incident
-from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.defects import AtWork, named, put_to_work
 from pirate_sm.simulation.electronics import (
     ROLL,
@@ -36,7 +35,8 @@ from pirate_sm.simulation.electronics import (
     sensors_of,
 )
 from pirate_sm.simulation.physics import ChainBody, MakePhysics, QuantityLayout, chain_of
-from pirate_sm.simulation.start_pose import Standing, standing_again
+from pirate_sm.simulation.standing import Standing
+from pirate_sm.simulation.start_pose import standing_again
 from pirate_sm.simulation.surroundings import (
     NO_JITTER,
     Jitter,
@@ -127,6 +127,8 @@ class SimulatedRobot:
         gone: Whether it has left the pipe for good.
         left_pipe: The fault of a robot that has left its pipe; None of one in it.
         cycles: How many cycles have passed.
+        arcs: Where the wheels are along the pipe, m, in the array of the physics.
+        time_s: The time that the surroundings go by.
 
     Raises:
         UsageError: The robot does not fit into the pipe, the pipe intersects itself, or the
@@ -167,7 +169,7 @@ class SimulatedRobot:
         self._cycle_s = profile.link.cycle
         self.physics = physics(chain, around.route, around.friction, around.pose, self._cycle_s)
         self._layout = QuantityLayout(chain.nodes)
-        self._arcs = self.physics.quantities[self._layout.block("arc")]
+        self.arcs = self.physics.quantities[self._layout.block("arc")]
         noise_seed = int(rng.integers(2**63))
         self.electronics = Electronics(chain, routes, sensors, self.physics, noise_seed)
         at_work = [*named(defects, profile, seed), *more_defects]
@@ -177,7 +179,7 @@ class SimulatedRobot:
             *(self.physics, chain.nodes, pipe, around.route),
             *(around.friction, around.friction_scale),
         )
-        self._time_s = put_back.at_s if put_back is not None else 0.0
+        self.time_s = put_back.at_s if put_back is not None else 0.0
         self.cycles, self.gone = 0, False
         self.left_pipe: FaultReport | None = None
         self._start_m = sum(self.arcs_m) / chain.nodes
@@ -202,9 +204,9 @@ class SimulatedRobot:
     def step(self, now_s: float, turn: CycleReading) -> Sequence[Incident]:
         """Simulate a cycle and read the turn's channels; return incidents on the boards."""
         self.cycles += 1
-        self._time_s += self._cycle_s
+        self.time_s += self._cycle_s
         if not self.gone:
-            self._changes.step(self._time_s)
+            self._changes.step(self.time_s)
             self.physics.advance()
         self.electronics.read(turn.first, turn.last)
         return self.strike(now_s) if self._effects else ()
@@ -225,7 +227,7 @@ class SimulatedRobot:
 
     def meet_obstacles(self) -> FaultReport | None:
         """Apply the obstacles after a cycle; return the fault of one, or of an end of the pipe."""
-        fault = self._obstacles.step(self._time_s, self._cycle_s)
+        fault = self._obstacles.step(self.time_s, self._cycle_s)
         if self.cycles % _GONE_EVERY == 0 and not self.gone:
             self._look_whether_gone()
             if self.left_pipe is None and self._is_outside(0.0):
@@ -239,7 +241,7 @@ class SimulatedRobot:
         if self.gone:
             return -math.inf
         # The surroundings have a clock of their own, which goes on while the controller restarts.
-        around_s = min(self._changes.due_s(self._time_s), self._obstacles.due_s) - self._time_s
+        around_s = min(self._changes.due_s(self.time_s), self._obstacles.due_s) - self.time_s
         around_s += now_s - self._cycle_s
         until_s = min([around_s, *(each.glides_until_s(now_s) for each in self._effects)])
         # Each defect acts on what the one before it shows; here all act on what is measured.
@@ -270,7 +272,7 @@ class SimulatedRobot:
     def passed(self, cycles: int, time_s: float) -> None:
         """Note that cycles have passed in which nothing has been reported; see :meth:`glided`."""
         self.cycles += cycles
-        self._time_s = time_s
+        self.time_s = time_s
 
     def read(self, now_s: float, turn: CycleReading) -> list[float] | None:
         """Return the counts of the turn's channels; None if a defect loses them."""
@@ -309,16 +311,6 @@ class SimulatedRobot:
                 ends = max(clear_m[0], -_NEAR_M), min(clear_m[1], behind_m)
                 return Leeway(math.inf, not self._flat, *ends)
         return Leeway(turned_rad, not self._flat, -_NEAR_M, behind_m)
-
-    @property
-    def arcs(self) -> Floats:
-        """Position of each wheel along the pipe, m, in the array of the physics."""
-        return self._arcs
-
-    @property
-    def time_s(self) -> float:
-        """The time that the surroundings go by."""
-        return self._time_s
 
     @property
     def truth(self) -> FullTruth:
@@ -370,7 +362,7 @@ class SimulatedRobot:
     @property
     def arcs_m(self) -> list[float]:
         """Position of each wheel along the pipe, m; cheaper than ``truth``, for detectors."""
-        found: list[float] = self._arcs.tolist()
+        found: list[float] = self.arcs.tolist()
         return found
 
     @property

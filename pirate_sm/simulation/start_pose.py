@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import Protocol
 
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.geometry import Frame, Piece, Route, Vector, dot, span_m
 from pirate_sm.core.models import Profile
 from pirate_sm.simulation.physics import ChainBody, StartPose
+from pirate_sm.simulation.standing import Standing
 
 _TURNED_RAD = math.radians(5)
 """A roll joint that is nearer to its target has come to it; its spring gives way by 2 deg [D]."""
@@ -62,34 +62,6 @@ def stand(
     bends = (0.0, *inner, 0.0)
     motors = tuple(bend + _winding(chain, i, duties.get(i, 0.0)) for i, bend in enumerate(bends))
     return StartPose(tuple(places), bends, motors, roll_rad)
-
-
-class Standing(Protocol):
-    """How a robot stood when a recording was cut off; see :class:`.prepared.PutBack`."""
-
-    @property
-    def places_m(self) -> tuple[Vector, ...]:
-        """Centre of each wheel."""
-
-    @property
-    def bends_rad(self) -> tuple[float, ...]:
-        """Angle of each driven joint of the body."""
-
-    @property
-    def torques_nm(self) -> tuple[float, ...]:
-        """What the spring of each of them bears."""
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """The setpoints that hold it."""
-
-    @property
-    def at_s(self) -> float:
-        """Time since the run began."""
-
-    @property
-    def rolls_rad(self) -> tuple[float, ...]:
-        """Angle of the roll joint, and the rolls of the parts ahead and behind."""
 
 
 def standing_again(

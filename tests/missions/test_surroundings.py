@@ -10,9 +10,8 @@ from math import asin, atan2, cos, isnan, nan, radians, sin
 import pytest
 
 from benchmarks.gliding import Stepping
-from pirate_sm.core._model.effects import Environment
 from pirate_sm.core.companion import Companion
-from pirate_sm.core.effects import Effect, Ended
+from pirate_sm.core.effects import Effect, Ended, Environment
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.geometry import Piece
 from pirate_sm.core.loading import LoadedMission

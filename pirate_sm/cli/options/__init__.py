@@ -1,1 +1,1 @@
-"""The options of commands; importing them is quick. Of a run: ``core/_model/run_options.py``."""
+"""The options of commands; importing them is quick. Of a run: ``core/options.py``."""

@@ -27,7 +27,7 @@ from pirate_sm.core._engine.sensing.environment import NOTHING_AROUND, differs, 
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._engine.sensing.signal_table import forget_stale
 from pirate_sm.core._engine.state import EngineState
-from pirate_sm.core._model.effects import WakeAt
+from pirate_sm.core.effects import WakeAt
 
 
 def settle(  # noqa: C901 - asked at every event, so most of it is asked here
@@ -68,7 +68,7 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
     robot, earlier = state.robot, before.robot
     moved = robot.marks is not earlier.marks or robot.configuration != earlier.configuration
     if moved and not moment.nominal:
-        now = Evidence("sensor", moment.now_s, state.connection)
+        now = Evidence("sensor", moment.now_s, state.sensing.connection)
         state = state._replace(proofs=proofs_after(moment.robot, earlier, robot, state.proofs, now))
     changed = (
         state.robot is not before.robot

@@ -27,7 +27,7 @@ from pirate_sm.core._engine.sensing.signal_table import observe
 from pirate_sm.core._engine.sensing.traction import with_traction
 from pirate_sm.core._engine.state import OUTSIDE, EngineState, MissionState
 from pirate_sm.core._model import events
-from pirate_sm.core._model.effects import Effect, PhaseChange, Setpoints, StateChange
+from pirate_sm.core.effects import Effect, PhaseChange, Setpoints, StateChange
 
 if TYPE_CHECKING:
     from pirate_sm.core._engine.resuming.resumption import Resumption
@@ -135,7 +135,7 @@ class Engine:
         state = EngineState(robot, sensing, mission, faults, words)
         state = state._replace(rules=following, surveyed=surveyed, look=look)
         if not self.nominal:
-            now = Evidence("sensor", now_s, state.connection)
+            now = Evidence("sensor", now_s, state.sensing.connection)
             state = state._replace(proofs=proofs_at_start(self.robot, robot, now))
         moment = Moment(self.robot, self.program, self.nominal, now_s, alphabet=self.alphabet)
         moment.emit(robot_state.state_change(self.robot, robot))

@@ -19,7 +19,6 @@ from pirate_sm.core._engine.sensing.odometry import judge
 from pirate_sm.core._engine.sensing.signal_table import forget_outdated, observe
 from pirate_sm.core._engine.sensing.traction import measured_outside, rolled, with_traction
 from pirate_sm.core._engine.state import OUTSIDE, EngineState
-from pirate_sm.core._model.effects import CommandStatus, Detected, Environment, Log
 from pirate_sm.core._model.events import (
     EVIDENCE_ENDS,
     Abort,
@@ -42,6 +41,7 @@ from pirate_sm.core._model.events import (
     SubmitResult,
 )
 from pirate_sm.core._model.faults import BuiltInFault
+from pirate_sm.core.effects import CommandStatus, Detected, Environment, Log
 
 # --- backends and detectors -------------------------------------------------------------------
 

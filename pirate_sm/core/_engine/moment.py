@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
-from pirate_sm.core._model.effects import Effect, Log
 from pirate_sm.core._model.events import ALPHABET_VERSION
+from pirate_sm.core.effects import Effect, Log
 
 ROUNDING_S = 1e-9
 """Tolerance of time comparisons. Sums of times differ by rounding: without a tolerance, a deadline

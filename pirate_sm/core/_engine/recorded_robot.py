@@ -21,8 +21,8 @@ from pirate_sm.core._engine.sensing.environment import Surveyed, survey
 from pirate_sm.core._engine.sensing.known_signals import nothing_known
 from pirate_sm.core._engine.sensing.signal_table import forget_stale, observe
 from pirate_sm.core._engine.state import EngineState, MissionState
-from pirate_sm.core._model.effects import Effect, Environment, Setpoints, StateChange
 from pirate_sm.core._model.events import DetectorWord, Event, SensorFrame, SubmitResult
+from pirate_sm.core.effects import Effect, Environment, Setpoints, StateChange
 
 Wheels: TypeAlias = tuple[int, ...]
 

@@ -22,9 +22,9 @@ from pirate_sm.core._engine.robot.robot_state import DECLARED, STOPPED, Mark, co
 from pirate_sm.core._engine.safety import FoundFault
 from pirate_sm.core._engine.state import EngineState
 from pirate_sm.core._engine.unwatched import changed, dark_way, denied, unproven
-from pirate_sm.core._model.effects import CommandStatus, Ended, Fault
 from pirate_sm.core._model.events import EVIDENCE_ENDS, FaultReport
 from pirate_sm.core._model.faults import BuiltInFault
+from pirate_sm.core.effects import CommandStatus, Ended, Fault
 
 _LOST = {
     fault.code

@@ -22,7 +22,7 @@ from pirate_sm.core._engine.robot.robot_state import (
 )
 from pirate_sm.core._engine.sensing.environment import Surveyed
 from pirate_sm.core._engine.sensing.known_signals import Sensing
-from pirate_sm.core._model.effects import Outcome
+from pirate_sm.core.effects import Outcome
 
 Words = tuple[str | None, ...]
 
@@ -197,11 +197,6 @@ class EngineState(NamedTuple):
     look: Look | None = None
     lapsed: Look | None = None
     proofs: Proofs = ()
-
-    @property
-    def connection(self) -> int:
-        """Return the number of the present connection to the robot, see :class:`.Sensing`."""
-        return self.sensing.connection
 
     @property
     def looking(self) -> Look | None:

@@ -9,7 +9,7 @@ import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 from pirate_sm.core._expressions.parser import ExpressionFault
 from pirate_sm.core.errors import ExitCode, PirateError
@@ -17,6 +17,7 @@ from pirate_sm.core.spelling import nearest, one_of
 
 if TYPE_CHECKING:
     from pirate_sm.core._expressions import ExpressionError
+    from pirate_sm.core._loading.yaml.document import Document
 
 Path: TypeAlias = tuple[str | int, ...]
 _EXCERPT_WIDTH = 100
@@ -147,29 +148,14 @@ class LoadError(PirateError):
         super().__init__("\n".join(lines))
 
 
-class Locator(Protocol):
-    """Finds the place of a value in a file; `_loading.yaml.document.Document` is one."""
-
-    def place_of(self, path: Path, *, key: bool = False, offset: int | None = None) -> Place:
-        """Return the place of the value at `path`, or of its key."""
-
-    def excerpt(self, line: int, file: str = "") -> str:
-        """Return a line of the file, or of one that it extends; empty when there is none."""
-
-    def edit_of(
-        self, path: Path, text: str, *, key: bool, within: tuple[int, int] | None, safe: bool
-    ) -> Edit | None:
-        """Return the change that writes another text at a path; None if it cannot be made."""
-
-
 class Problems:
     """Collects the problems of one load, over all the files that take part in it."""
 
-    def __init__(self, document: Locator | None = None) -> None:
+    def __init__(self, document: Document | None = None) -> None:
         self._document = document
         self._found: dict[Problem, None] = {}  # in order of discovery, without duplicates
 
-    def about(self, document: Locator) -> Problems:
+    def about(self, document: Document) -> Problems:
         """Return a collector for another document that adds to the same problems."""
         view = Problems(document)
         view._found = self._found

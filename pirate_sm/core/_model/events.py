@@ -3,7 +3,7 @@
 Every input of a run is one of these, so a recording of them can be replayed exactly. Time is not
 part of an event: the engine receives it separately, in seconds since the run began.
 ``ALPHABET_VERSION`` changes with every change of a class or field here or in
-:mod:`pirate_sm.core._model.effects`, and with every change of the engine's results for the same
+:mod:`pirate_sm.core.effects`, and with every change of the engine's results for the same
 events.
 """
 
@@ -61,7 +61,7 @@ class EnvironmentReport(NamedTuple):
         pitch_rad: Pitch of the pipe's axis, positive where it climbs ahead of the robot.
         diameter_m: Inner diameter, h + 2r (thesis eq. 3-2).
         valid_for_s: How long it is valid, or until the next report; infinite: until then.
-        joint: As the next fields, see :class:`pirate_sm.core._model.effects.Environment`.
+        joint: As the next fields, see :class:`pirate_sm.core.effects.Environment`.
         junction: Name of the junction.
         opening_roll_rad: Direction of the opening.
         distance_m: Distance to the joint.

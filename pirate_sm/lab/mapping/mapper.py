@@ -116,7 +116,7 @@ class Mapper:
         while self._looks[0].at_s < look.at_s - _WAITED_S:
             self._looks.popleft()
         self._places.move(look)
-        if not self._spots:
+        if not self._places.spots:
             self._begin(look)
             return
         self._release(look)
@@ -124,7 +124,7 @@ class Mapper:
             self._apart_m = self._places.ways_m[0]
         self._tell(look)
         anchor, passage = self._places.anchor(look), self._passage
-        for part in sorted(look.held - self._spots.keys()):
+        for part in sorted(look.held - self._places.spots.keys()):
             if anchor is not None and self._along(look, part, anchor):
                 continue
             if passage is not None:
@@ -132,7 +132,7 @@ class Mapper:
                     self._correct(look, passage)
             elif anchor is not None and not look.driven:
                 self._reach_into(look, part, anchor)
-        self._rolls.feel(look, self._spots)
+        self._rolls.feel(look, self._places.spots)
         self._measure(look)
 
     def finish(self) -> Map:
@@ -147,16 +147,12 @@ class Mapper:
 
     # --- where the robot is -------------------------------------------------------------------
 
-    @property
-    def _spots(self) -> dict[int, Spot]:
-        return self._places.spots
-
     def _begin(self, look: RobotLook) -> None:
         """Begin once all joints are known; the middle of the robot is the origin of its leg."""
         frame = self._shape.whole(look)
         if frame is None:
             return
-        self._spots[WHOLE] = Spot(0, 0.0, self._body.wheels_of(WHOLE))
+        self._places.spots[WHOLE] = Spot(0, 0.0, self._body.wheels_of(WHOLE))
         self._started = self._body.angles(look.numbers)
         self._start_at(look, frame, 0.0)
         if look.held:
@@ -172,22 +168,24 @@ class Mapper:
 
     def _release(self, look: RobotLook) -> None:
         """Forget parts that hold no more; a robot that nothing holds lies where it was."""
-        before = dict(self._spots)
-        for part in self._spots.keys() - look.held:
-            del self._spots[part]
-        if self._spots:
+        before = dict(self._places.spots)
+        for part in self._places.spots.keys() - look.held:
+            del self._places.spots[part]
+        if self._places.spots:
             return
         known = next(iter(before.items()))
         frame = self._shape.frame(look, *known)
         if not look.held:
-            self._spots[WHOLE] = known[1] if known[0] == WHOLE else self._places.laid(look, *known)
+            self._places.spots[WHOLE] = (
+                known[1] if known[0] == WHOLE else self._places.laid(look, *known)
+            )
         elif frame is not None and known[0] == WHOLE:
             part = min(look.held)
             axis = axis_at(self._body, look.numbers, part)
             if axis is not None:
                 away_m = dot(between(frame.origin, axis.origin), axis.ahead)
                 wheels, place_m = self._body.wheels_of(part), known[1].along_m + away_m
-                self._spots[part] = Spot(known[1].leg, place_m, wheels)
+                self._places.spots[part] = Spot(known[1].leg, place_m, wheels)
                 if self._as_started(look):  # it was clamped already
                     self._start_at(look, axis, place_m)
         else:
@@ -213,8 +211,8 @@ class Mapper:
             return False
         away = between(axis.origin, own.origin)
         place_m = anchor.along_m + copysign(dot(away, away) ** 0.5, dot(away, axis.ahead))
-        leg = self._spots[anchor.part].leg
-        self._spots[part] = Spot(leg, place_m, self._body.wheels_of(part))
+        leg = self._places.spots[anchor.part].leg
+        self._places.spots[part] = Spot(leg, place_m, self._body.wheels_of(part))
         if self._passage is not None and self._passage.last == part:
             self._passage = None
         return True
@@ -234,15 +232,15 @@ class Mapper:
         if found is None:
             return
         feel_angles(self.map)
-        spot = self._spots[anchor.part]
+        spot = self._places.spots[anchor.part]
         rolled, was_m = self._rolls.of_part(look, anchor.part, spot.leg), spot.along_m
         roll_rad = remainder(found.towards_rad + rolled, 2 * pi)
         bend = MappedBend(found.angle_rad, roll_rad, self._announced)
         self._announced = ""
-        into, new = self.map.beyond(self._spots[anchor.part].leg, leads, bend)
+        into, new = self.map.beyond(self._places.spots[anchor.part].leg, leads, bend)
         if new and leads < 0:  # the new leg is the first one
             self._places.spots = {
-                n: each._replace(leg=each.leg + 1) for n, each in self._spots.items()
+                n: each._replace(leg=each.leg + 1) for n, each in self._places.spots.items()
             }
             if self._approach is not None:
                 self._approach.leg += 1
@@ -267,7 +265,7 @@ class Mapper:
         leg = self.map.legs[into]
         begins_m = leg.begins_m if leads > 0 else leg.ends_m
         wheels = outermost(self._body, part, leads)
-        self._spots[part] = Spot(into, begins_m + leads * found.beyond_m, wheels)
+        self._places.spots[part] = Spot(into, begins_m + leads * found.beyond_m, wheels)
 
     def _meet(self, passage: BendPassage, at_m: float) -> None:
         """Fix the place of a new bend in the leg behind, or places in that leg by a known bend."""
@@ -290,7 +288,9 @@ class Mapper:
             return
         leads, approach, passage = told.leads, self._approach, self._newest
         if told.end is JointEnd.BEGINS:
-            found = self._place_of_word(look, told, {spot.leg for spot in self._spots.values()})
+            found = self._place_of_word(
+                look, told, {spot.leg for spot in self._places.spots.values()}
+            )
             self._approach = Approach(found[0], leads, found[1]) if found else None
             self._newest = None
         elif told.end is JointEnd.INSIDE and approach is not None and approach.leads == leads:
@@ -339,7 +339,8 @@ class Mapper:
         """
         then = look if look.driven else self._before(look, WINDOW_S / 4)
         for part, spot in sorted(
-            self._spots.items(), key=lambda each: told.wheel not in self._body.wheels_of(each[0])
+            self._places.spots.items(),
+            key=lambda each: told.wheel not in self._body.wheels_of(each[0]),
         ):
             frame = self._shape.frame(then, part, spot)
             if spot.leg in legs and frame is not None:
@@ -351,7 +352,7 @@ class Mapper:
         """Correct the place in the new leg when the part that comes last clamps there."""
         passage.placed = True
         first, leads = passage.first, passage.leads
-        axis, spot = axis_at(self._body, look.numbers, first), self._spots.get(first)
+        axis, spot = axis_at(self._body, look.numbers, first), self._places.spots.get(first)
         if axis is None or spot is None:
             return
         shown_m, known_m = self._shape.shown(look, first), self._shape.bore(first)
@@ -373,7 +374,7 @@ class Mapper:
         leg = self.map.legs[spot.leg]
         at_m = leg.begins_m + away_m if leads > 0 else leg.ends_m - away_m
         if abs(at_m - spot.along_m) <= _MOST_MOVED_M:
-            self._spots[first] = Spot(spot.leg, at_m, self._body.wheels_of(first))
+            self._places.spots[first] = Spot(spot.leg, at_m, self._body.wheels_of(first))
 
     def _refine(self, passage: BendPassage) -> None:
         """Find a bend again, once the diameter after it is known."""
@@ -388,13 +389,15 @@ class Mapper:
     def _measure(self, look: RobotLook) -> None:
         """Take note of the diameters that parts along one axis show, and of how far they are."""
         axes = {
-            part: axis_at(self._body, look.numbers, part) for part in self._spots if part != WHOLE
+            part: axis_at(self._body, look.numbers, part)
+            for part in self._places.spots
+            if part != WHOLE
         }
         known = [axis for axis in axes.values() if axis is not None]
-        together = len(known) > 1 and len({self._spots[part].leg for part in axes}) == 1
+        together = len(known) > 1 and len({self._places.spots[part].leg for part in axes}) == 1
         parallel = together and angle_between(known[0], known[-1]) <= _PARALLEL_RAD
         for part, axis in axes.items():
-            spot, shown_m = self._spots[part], self._shape.shown(look, part)
+            spot, shown_m = self._places.spots[part], self._shape.shown(look, part)
             if axis is None or isnan(shown_m) or spot.wheels != self._body.wheels_of(part):
                 continue
             self._shape.note_bore(look, part, self._places.ways_m[part], parallel=parallel)

@@ -31,11 +31,16 @@ _OLDEST_S = 0.6
 
 
 class Tracker:
-    """Remembers the positions of the wheels in the last ``WINDOW_S``."""
+    """Remembers the positions of the wheels in the last ``WINDOW_S``.
+
+    Attributes:
+        seen: The looks in the window.
+        driven: Whether wheels were driven when it last saw something.
+    """
 
     def __init__(self) -> None:
-        self._seen: deque[Look] = deque()
-        self._driven = False
+        self.seen: deque[Look] = deque()
+        self.driven = False
         self._changed_s = -inf
 
     def see(
@@ -56,25 +61,15 @@ class Tracker:
                 or ceased to be driven are ignored.
         """
         self._now_s = time_s
-        if driven != self._driven:
-            self._seen.clear()
-            self._driven, self._changed_s = driven, time_s
+        if driven != self.driven:
+            self.seen.clear()
+            self.driven, self._changed_s = driven, time_s
         seen_s = time_s if seen_s is None else seen_s
         if places_m is None or seen_s < self._changed_s:
             return
-        self._seen.append((seen_s, *places_m))
-        while self._seen[0][0] < seen_s - WINDOW_S:
-            self._seen.popleft()
-
-    @property
-    def seen(self) -> Sequence[Look]:
-        """Return the looks in the window."""
-        return self._seen
-
-    @property
-    def driven(self) -> bool:
-        """Return whether wheels were driven when it last saw something."""
-        return self._driven
+        self.seen.append((seen_s, *places_m))
+        while self.seen[0][0] < seen_s - WINDOW_S:
+            self.seen.popleft()
 
     def place(self, wheel: int) -> float:
         """Return the filtered position of a wheel now, m; NaN if its last position is unknown.
@@ -84,29 +79,29 @@ class Tracker:
         """
         if not self._fresh:
             return nan
-        place_m = place_of(wheel, self._driven, len(self._seen), self._seen, self._work)
-        late_s = self._now_s - self._seen[-1][0]
-        return place_m + self._speed() * late_s if self._driven and late_s else place_m
+        place_m = place_of(wheel, self.driven, len(self.seen), self.seen, self._work)
+        late_s = self._now_s - self.seen[-1][0]
+        return place_m + self._speed() * late_s if self.driven and late_s else place_m
 
     def speed(self) -> float:
         """Return the speed of the robot along the pipe in the window, m/s, positive onwards.
 
         It is the median of the slopes of the wheels' lines; NaN without two positions.
         """
-        return self._speed() if self._fresh and len(self._seen) > 1 else nan
+        return self._speed() if self._fresh and len(self.seen) > 1 else nan
 
     @property
     def _fresh(self) -> bool:
-        return bool(self._seen) and self._seen[-1][0] >= self._now_s - _OLDEST_S
+        return bool(self.seen) and self.seen[-1][0] >= self._now_s - _OLDEST_S
 
     @property
     def _work(self) -> list[list[float]]:
-        return [[0.0] * len(self._seen) for _ in range(3)]
+        return [[0.0] * len(self.seen) for _ in range(3)]
 
     def _speed(self) -> float:
         work, slopes = self._work, []
-        for wheel in range(len(self._seen[0]) - 1):
-            known = line_of(wheel, len(self._seen), self._seen, work)
+        for wheel in range(len(self.seen[0]) - 1):
+            known = line_of(wheel, len(self.seen), self.seen, work)
             if known > 1:
                 slopes.append(slope_of(known, work))
         return median_of(slopes, len(slopes))

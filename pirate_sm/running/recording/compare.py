@@ -58,7 +58,6 @@ class ComparedRun:
     kinds: tuple[str, ...] = ()
     times: list[float] = field(default_factory=list)
     values: list[Sequence[float]] = field(default_factory=list)
-    ended: fx.Ended | None = None
     until_s: float = 0.0
 
     def at(self, time_s: float) -> Sequence[float] | None:
@@ -130,8 +129,6 @@ def compared_run(recording: Recording, loaded: LoadedMission) -> ComparedRun:
             what = _mark(effect)
             if what:
                 found.marks.append(Milestone(what, at_s))
-            if isinstance(effect, fx.Ended):
-                found.ended = effect
         if again.state is not None and isinstance(again.step.event, SensorFrame):
             new = at_s, array("d", again.state.sensing.shown)
             apart_s = add_evenly(found.times, found.values, new, apart_s, _MOST_KEPT)

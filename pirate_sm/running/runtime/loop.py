@@ -191,11 +191,6 @@ class MissionRun:
         return self._pump.now_s
 
     @property
-    def ended(self) -> Ended | None:
-        """The effect that ended the run; None before."""
-        return self._pump.ended
-
-    @property
     def open(self) -> bool:
         """Whether the backend can still be used."""
         return self._pump.open

@@ -213,7 +213,6 @@ class EngineStep:
 class CommandTimes:
     """How much of their time limit commands took."""
 
-    program: Program
     _under_way: tuple[float, float] = (inf, inf)  # time of acceptance, and time limit
 
     def look(self, moment: EngineStep) -> list[NearMiss]:
@@ -392,12 +391,11 @@ class NearMisses:
     due_s = -inf
 
     def __init__(self, robot: RobotSpec, program: Program) -> None:
-        self._robot = robot
         self._program = program
         self._state: Callable[[], EngineState | None] = lambda: None
         self._calls: dict[str, NearMiss] = {}
         self._over = False  # the safe stop does not count
-        missions = CommandTimes(program), WaitTimes(), TriggerTimes(program)
+        missions = CommandTimes(), WaitTimes(), TriggerTimes(program)
         self._notes = (*missions, WordTimes(robot, program), FaultMargins(robot))
 
     def follow(self, state: Callable[[], EngineState | None]) -> None:

@@ -20,6 +20,7 @@ from pirate_sm.robot.control_panel.panel_reader import EndRun, PanelReader
 from pirate_sm.robot.detectors.registry import NOBODY, Detecting, Places
 from pirate_sm.robot.detectors.vision_detector import CameraView
 from pirate_sm.running.runtime.scripted_events import Firing
+from pirate_sm.simulation.standing import Standing
 
 if TYPE_CHECKING:
     from pirate_sm.robot.backends.protocol import Backend
@@ -29,26 +30,6 @@ if TYPE_CHECKING:
 
 
 # --- the order ------------------------------------------------------------------------------------
-
-
-class PutBack(NamedTuple):
-    """The pose of a simulated robot when a recording was cut off.
-
-    Attributes:
-        places_m: Centre of each wheel.
-        bends_rad: Angle of each driven joint of the body; ``torques_nm`` what its spring bears.
-        values: The setpoints that hold it.
-        at_s: Time since the run began.
-        rolls_rad: The angle of the roll joint, and the rolls of the parts ahead and behind against
-            the pipe where they are.
-    """
-
-    places_m: tuple[tuple[float, float, float], ...]
-    bends_rad: tuple[float, ...]
-    torques_nm: tuple[float, ...]
-    values: tuple[float, ...]
-    at_s: float
-    rolls_rad: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -65,7 +46,7 @@ class Order(GivenOptions):
     firings: tuple[Firing, ...] = ()
     course: tuple[Happening, ...] = ()
     line: LineFaults | None = None
-    put_back: PutBack | None = None
+    put_back: Standing | None = None
 
 
 # --- the panel ------------------------------------------------------------------------------------

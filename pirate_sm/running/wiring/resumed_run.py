@@ -25,7 +25,8 @@ from pirate_sm.core.robot import known_values
 from pirate_sm.robot.calibration_files import newest_calibration
 from pirate_sm.robot.camera_file import opened_by
 from pirate_sm.running.wiring import Order, Prepared, prepare
-from pirate_sm.running.wiring.prepared import PutBack, Say
+from pirate_sm.running.wiring.prepared import Say
+from pirate_sm.simulation.standing import Standing
 
 if TYPE_CHECKING:
     from pirate_sm.running.recording.format.header import RecordedFile, RunHeader
@@ -281,7 +282,7 @@ def _check_calibration(loaded: LoadedMission, header: RunHeader) -> None:
         )
 
 
-def _put_back(end: EndOfRun, header: RunHeader) -> PutBack:
+def _put_back(end: EndOfRun, header: RunHeader) -> Standing:
     """Return the pose of a simulated robot when the recording ends.
 
     Raises:
@@ -309,7 +310,7 @@ def _put_back(end: EndOfRun, header: RunHeader) -> PutBack:
         raise RecordingError("where the simulated robot was in space is not in the recording")
     body = hypotheses(loaded.robot, loaded.program, last)[0].body
     z_m = beside.z_m or (0.0,) * len(placed.wheels)
-    return PutBack(
+    return Standing(
         tuple((x, y, z) for (x, y), z in zip(placed.wheels, z_m, strict=True)),
         tuple(bends.values()),
         tuple(torques.values()),

@@ -333,7 +333,9 @@ class Snapshot:
     def is_shown(self, region: str) -> bool:
         """Return whether a state has been shown since the controller was last connected to."""
         found = self.evidence.get(region)
-        same = found is None or self.state is None or found.connection == self.state.connection
+        same = (
+            found is None or self.state is None or found.connection == self.state.sensing.connection
+        )
         return self.live and same
 
     @cached_property

@@ -13,9 +13,9 @@ from pirate_sm.core._engine.sensing.environment import Surveyed
 from pirate_sm.core._engine.sensing.known_signals import Sensing
 from pirate_sm.core._engine.state import EngineState
 from pirate_sm.core._expressions.compiler import Code
-from pirate_sm.core._model.effects import Effect
 from pirate_sm.core._model.events import Event, FrameBlock, SensorFrame
 from pirate_sm.core._model.whereabouts import Look, Trail
+from pirate_sm.core.effects import Effect
 
 # --- what must stay true ----------------------------------------------------------------------
 

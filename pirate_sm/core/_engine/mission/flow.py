@@ -18,10 +18,10 @@ from pirate_sm.core._engine.robot.command_outcome import doubt_grip, unmet_condi
 from pirate_sm.core._engine.robot.robot_state import Finished, RobotState
 from pirate_sm.core._engine.safety import FoundFault
 from pirate_sm.core._engine.state import BeforePause, Ending, EngineState, MissionState
-from pirate_sm.core._model.effects import Ask, CommandStatus, Ended, Fault, Log, Outcome
 from pirate_sm.core._model.events import EVIDENCE_ENDS, GoTo
 from pirate_sm.core._model.faults import UNSEEN
 from pirate_sm.core._model.unmet import with_unmet
+from pirate_sm.core.effects import Ask, CommandStatus, Ended, Fault, Log, Outcome
 
 SAFE_STOP_LIMIT_S = 2.0
 """How long the run waits for the safe array's confirmation before it ends without it."""

@@ -27,8 +27,8 @@ from pirate_sm.core._engine.robot import command_outcome, commands, declared_sta
 from pirate_sm.core._engine.robot.robot_state import RobotState
 from pirate_sm.core._engine.robot.setpoint_arrays import unsettled
 from pirate_sm.core._engine.state import EngineState, MissionState
-from pirate_sm.core._model.effects import CommandStatus, Log, PhaseChange
 from pirate_sm.core._model.faults import BuiltInFault
+from pirate_sm.core.effects import CommandStatus, Log, PhaseChange
 
 ROUND_AND_ROUND = "the phases repeat without ever waiting"
 

@@ -20,9 +20,9 @@ from pirate_sm.core._engine.sensing.known_signals import with_changes
 from pirate_sm.core._engine.sensing.odometry import BASE_M
 from pirate_sm.core._engine.state import OUTSIDE, Counted, EngineState, MissionState, Words
 from pirate_sm.core._expressions.vocabulary import change_of
-from pirate_sm.core._model.effects import TAKEN, Ask, TriggerFired, WaitArmed
 from pirate_sm.core._model.faults import BuiltInFault
 from pirate_sm.core._model.unmet import shown_words
+from pirate_sm.core.effects import TAKEN, Ask, TriggerFired, WaitArmed
 
 
 def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:

@@ -59,9 +59,9 @@ from pirate_sm.core._engine.robot.setpoint_arrays import (
     without_loops,
 )
 from pirate_sm.core._engine.sensing.known_signals import Sensing
-from pirate_sm.core._model.effects import CommandStatus, Log
 from pirate_sm.core._model.events import SubmitResult
 from pirate_sm.core._model.unmet import Unmet
+from pirate_sm.core.effects import CommandStatus, Log
 
 _NOTHING_DENIED: Mapping[int, str] = MappingProxyType({})
 

@@ -12,7 +12,7 @@ from pirate_sm.core._engine.robot.criteria import Bound, CriterionSpec, near
 from pirate_sm.core._engine.robot.loops import Loops, RunningPositionLoop
 from pirate_sm.core._engine.robot.robot_spec import Configuration, PostureSpec, RobotSpec
 from pirate_sm.core._geometry.space import Vector
-from pirate_sm.core._model.effects import StateChange
+from pirate_sm.core.effects import StateChange
 
 Purpose = Literal["gate", "loop", "stream", "stop"]
 

@@ -47,8 +47,8 @@ from pirate_sm.core._engine.robot.robot_state import (
 )
 from pirate_sm.core._engine.sensing.board_spec import BoardSpec, LinkSpec
 from pirate_sm.core._engine.sensing.known_signals import Sensing
-from pirate_sm.core._model.effects import Setpoints
 from pirate_sm.core._model.events import SubmitResult
+from pirate_sm.core.effects import Setpoints
 
 # --- what a stage writes, and whether it has been reached -------------------------------------
 

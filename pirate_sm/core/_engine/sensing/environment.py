@@ -30,7 +30,7 @@ from pirate_sm.core._engine.robot.robot_state import RobotState, confirmed_parts
 from pirate_sm.core._engine.sensing import surveyor
 from pirate_sm.core._engine.sensing.surveyor import NOISE_M, NOISE_RAD, has_moved
 from pirate_sm.core._geometry.route import JointOrEnd
-from pirate_sm.core._model.effects import Environment
+from pirate_sm.core.effects import Environment
 
 # --- reports: whether two differ by more than noise, and how two become one -------------------
 

@@ -32,7 +32,7 @@ from pirate_sm.core._engine.sensing.known_signals import (
 )
 from pirate_sm.core._geometry.chain import ChainLoads, couples_nm, normal_forces_n
 from pirate_sm.core._geometry.space import GRAVITY_M_S2, Vector
-from pirate_sm.core._model.effects import Environment
+from pirate_sm.core.effects import Environment
 
 FORGETTING = 0.97
 """What a frame leaves of the weight of all those before it (design: 0.97)."""

@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field
 
 from pirate_sm.core._model.base import AlsoWritten, Frozen, Name
 from pirate_sm.core._model.quantities import Count, Duration, Number, Ratio, Torque
-from pirate_sm.core._model.run_options import defect_as_text
+from pirate_sm.core.options import defect_as_text
 
 Kind: TypeAlias = Literal[
     "dead_wheel",
@@ -70,4 +70,4 @@ _MAPPED = {
 DefectText: TypeAlias = Annotated[
     str, BeforeValidator(defect_as_text), AlsoWritten(lambda _: [_MAPPED])
 ]
-"""A defect with its numbers, as :mod:`pirate_sm.core._model.run_options` explains."""
+"""A defect with its numbers, as :mod:`pirate_sm.core.options` explains."""

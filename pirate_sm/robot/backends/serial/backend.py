@@ -89,11 +89,11 @@ class LinkPump:
     def put(self, data: bytes) -> None:
         """Write the bytes as soon as the device's ring has room for them."""
         port, exchange = self._port, self._exchange
-        free_s = exchange.room_s(len(data), port.now())
+        free_s = exchange.throttle.free_s(len(data), port.now())
         while port.now() < free_s:
             port.wait(free_s)
         port.write(data)
-        exchange.wrote(len(data), port.now())
+        exchange.throttle.wrote(len(data), port.now())
 
     def _heed_guardian(self) -> None:
         """Report a fault if the guardian has stopped the robot instead of this program."""

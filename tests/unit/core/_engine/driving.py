@@ -9,13 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import RobotState, at_rest_in, states_of, unconfirmed
 from pirate_sm.core._engine.sensing.board_spec import WatchedSpec
 from pirate_sm.core._loading.mission.loader import load_mission
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -20,15 +20,15 @@ def test_the_age_of_evidence_is_computed_when_it_is_asked_for():
 @pytest.mark.parametrize("code", ["firmware.reset", "link.interrupted"])
 def test_each_return_of_the_controller_begins_the_next_connection(drive, code):
     driver = drive(f"on_fault: [{{fault: [{code}, robot.stuck], then: continue}}]\n{IDLE}")
-    assert driver.state.connection == 0
+    assert driver.state.sensing.connection == 0
 
     driver.give(ev.FaultReport("robot.stuck", "it does not move"))
-    assert driver.state.connection == 0
+    assert driver.state.sensing.connection == 0
 
     driver.give(ev.FaultReport(code, "it is back"))
     driver.give(ev.FaultReport(code, "it is back again"))
     driver.run(driver.now + 1.0)
-    assert driver.state.connection == 2
+    assert driver.state.sensing.connection == 2
 
 
 def shown(driver) -> dict[str, str]:
@@ -58,7 +58,7 @@ def test_belief_says_by_what_it_was_shown_when_and_in_which_connection(drive):
     driver.give(ev.FaultReport("firmware.reset", "it is back", 1.0))
     front = driver.engine.evidence(driver.state)["front"]
     assert front == Evidence("sensor", clamped_s, 0), "older evidence, of another connection"
-    assert front.connection != driver.state.connection
+    assert front.connection != driver.state.sensing.connection
 
 
 def test_what_is_declared_is_shown_by_a_person_until_a_sensor_shows_it(drive):

@@ -9,12 +9,12 @@ from typing import Any
 from driving import joints_that_obey
 from hypothesis import strategies as st
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._engine.mission.program import Program
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import confirmed_parts
 from pirate_sm.core._engine.state import EngineState
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 ROUNDING_S = 1e-6

@@ -7,7 +7,8 @@ import typing
 
 import pytest
 
-from pirate_sm.core._model import effects, events
+from pirate_sm.core import effects
+from pirate_sm.core._model import events
 
 MEASURED = ("segment", "roll_rad", "pitch_rad", "diameter_m")
 

@@ -6,8 +6,8 @@ from typing import get_args
 
 import pytest
 
-from pirate_sm.core._model import effects as fx
-from pirate_sm.core._model.effects import EFFECT_TABLES
+from pirate_sm.core import effects as fx
+from pirate_sm.core.effects import EFFECT_TABLES
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import nan, radians
 
-from pirate_sm.core._model.effects import Environment
+from pirate_sm.core.effects import Environment
 
 
 def test_an_angle_that_rounds_to_zero_has_no_sign() -> None:

@@ -13,8 +13,8 @@ import pirate_sm
 from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.entry import _single
 from pirate_sm.cli.options.common import values_of
-from pirate_sm.core._model.run_options import JITTER, OPTIONS, GivenOptions, Options, written
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.options import JITTER, OPTIONS, GivenOptions, Options, written
 from pirate_sm.core.units import LENGTH
 
 NOT_IN_PYTHON = {"backend", "seed", "check", "calibration", "guard_for_s", "panel"}

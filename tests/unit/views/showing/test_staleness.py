@@ -74,7 +74,7 @@ def test_a_state_becomes_a_question(live: Snapshot, silent: Snapshot) -> None:
 
 def test_a_state_of_an_earlier_connection_is_a_question(live: Snapshot) -> None:
     assert live.state is not None
-    sensing = live.state.sensing._replace(connection=live.state.connection + 1)
+    sensing = live.state.sensing._replace(connection=live.state.sensing.connection + 1)
     again = replace(live, state=live.state._replace(sensing=sensing))
 
     assert panels.states(again, 44)[0].plain.startswith("? ")

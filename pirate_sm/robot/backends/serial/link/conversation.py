@@ -165,6 +165,7 @@ class Conversation:
     """One connection to a device.
 
     Attributes:
+        known: Whether every wanted topic is known.
         frames: Frames received.
         words: The last lines of the firmware's log.
         heard_s: When the last frame came that the device sent of its own accord.
@@ -203,7 +204,7 @@ class Conversation:
         self._refused: set[int] = set()
         self._time = TimeAnswers(epoch_s)
         self._ask_s = now + boot_s
-        self._known = False
+        self.known = False
         self._again = False
         self._fresh: set[int] = set()
         self._silence_s = 0.0
@@ -215,14 +216,9 @@ class Conversation:
         self.offered: dict[tuple[Direction, str], TopicInfo] = {}
 
     @property
-    def known(self) -> bool:
-        """Whether every wanted topic is known."""
-        return self._known
-
-    @property
     def asking(self) -> bool:
         """Whether the device is being asked to introduce itself."""
-        return not self._known or self._again
+        return not self.known or self._again
 
     @property
     def dropped(self) -> int:
@@ -246,7 +242,7 @@ class Conversation:
         silent = self._patience.look(now) >= self._silent_s
         if now >= self._time.due_s:
             return self._time.answer()
-        if self._known and not self._again and silent:
+        if self.known and not self._again and silent:
             self._again = True
             self._fresh.clear()
             self._ask_s = now
@@ -309,7 +305,7 @@ class Conversation:
             yield TopicPayload(at, payload)
         elif topic in {PUBLISHER, SUBSCRIBER}:
             yield from self._meet(read_topic(topic, payload))
-            if self._known and not self._time.requested:
+            if self.known and not self._time.requested:
                 self._time.request(now)  # its request was lost
         elif topic == TIME:
             self._time.request(now)
@@ -338,11 +334,9 @@ class Conversation:
                 self._refused.add(at)
                 yield TopicRefused(difference(wanted, info))
         complete = set(self._numbers.values()) == set(range(len(self._wanted)))
-        if complete and (
-            not self._known or (self._again and len(self._fresh) == len(self._wanted))
-        ):
-            known = TopicsKnown(self._known, self._silence_s)
-            self._known, self._again, self._silence_s = True, False, 0.0
+        if complete and (not self.known or (self._again and len(self._fresh) == len(self._wanted))):
+            known = TopicsKnown(self.known, self._silence_s)
+            self.known, self._again, self._silence_s = True, False, 0.0
             yield known
 
 

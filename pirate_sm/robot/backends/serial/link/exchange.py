@@ -113,6 +113,7 @@ class Exchange:
         heard: Boards that have reported since the beginning.
         outage: The silence during which the mission is held; None while the link works.
         brief: Whether the last silence was too short to be an outage.
+        throttle: When bytes may be written, whoever writes them.
         given_up: Whether the last outage was given up, and nothing has come since.
         switch_stops_s: The length of a silence after which the firmware's switch has stopped the
             robot; arrays are repeated until the silence is noticed. Infinite without a switch.
@@ -124,7 +125,7 @@ class Exchange:
     def __init__(self, plan: LinkPlan, now: float, epoch_s: float, baud: int) -> None:
         self._plan = plan
         self._epoch_s = epoch_s
-        self._throttle = Throttle(baud)
+        self.throttle = Throttle(baud)
         codec = plan.messages.setpoints
         self._setpoint_bytes = len(codec.pack(0, [0] * len(plan.slots))) + OVERHEAD_BYTES
         self._safe = SafeArray(codec, plan.safe_zero, len(plan.slots))
@@ -133,7 +134,7 @@ class Exchange:
             codec.pack,
             refreshing=Refreshing(plan.serial.refresh_every or inf, plan.serial.stop_after or inf),
             echo_within_s=plan.serial.echo_within,
-            spacing_s=self._throttle.spacing_s(self._setpoint_bytes),
+            spacing_s=self.throttle.spacing_s(self._setpoint_bytes),
             ids=codec.ids,
         )
         self.link.hold = self._safe.kept
@@ -242,19 +243,19 @@ class Exchange:
         """Return when there is something to do, if nothing comes before."""
         due = self.conversation.due_s
         if due <= now:
-            due = self._throttle.free_s(_GREETING_BYTES, now)
+            due = self.throttle.free_s(_GREETING_BYTES, now)
         if not self.conversation.known:
             due = min(due, now + _EXPIRE_EVERY_S)  # meanwhile arrays can only be given up
         if self.outage is not None:
             safe_due = self._recovery.due_s(self.outage)
             if safe_due <= now:
-                safe_due = self._throttle.free_s(self._setpoint_bytes, now)
+                safe_due = self.throttle.free_s(self._setpoint_bytes, now)
             return min(due, safe_due)
         if self.aside or not self.conversation.known:
             return due
         link_due = self.link.due_s
         if link_due <= now:
-            link_due = self._throttle.free_s(self._setpoint_bytes, now)
+            link_due = self.throttle.free_s(self._setpoint_bytes, now)
         return min(due, link_due)
 
     def write(self, now: float, able: bool = True) -> bytes:
@@ -265,7 +266,7 @@ class Exchange:
             able: Whether there is a port; without one only time passes.
         """
         data, busy_s = b"", 0.0
-        if able and self._throttle.free_s(_GREETING_BYTES, now) <= now:
+        if able and self.throttle.free_s(_GREETING_BYTES, now) <= now:
             data = self.conversation.write(now)
             if data and self.conversation.asking:
                 busy_s = _INTRODUCTION_S
@@ -275,20 +276,12 @@ class Exchange:
         if self.outage is None and not self.aside:
             self.link.expire(now, able and self.conversation.known)
             self._events += self.link.take()
-        fits = able and self._throttle.free_s(self._setpoint_bytes, now) <= now
+        fits = able and self.throttle.free_s(self._setpoint_bytes, now) <= now
         if not data and fits and self.conversation.known:
             data = self._setpoints(now)
         if data:
-            self._throttle.wrote(len(data), now, busy_s)
+            self.throttle.wrote(len(data), now, busy_s)
         return data
-
-    def room_s(self, size: int, now: float) -> float:
-        """Return when this many bytes may be written."""
-        return self._throttle.free_s(size, now)
-
-    def wrote(self, size: int, now: float) -> None:
-        """Count this many bytes as written by somebody else than the exchange."""
-        self._throttle.wrote(size, now)
 
     def safe_frame(self) -> bytes:
         """Return the frame of the safe array: zero where the safe state stops, the rest held.

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from pirate_sm.core._engine.gliding.quiet_frames import Glide
-from pirate_sm.core._model.effects import WakeAt
 from pirate_sm.core._model.events import FrameBlock, SensorFrame, Tick
+from pirate_sm.core.effects import WakeAt
 
 ROWS = [[float(number)] for number in range(5)]
 FRAMES = FrameBlock([0.1, 0.2, 0.3, 0.4, 0.5], [22, 23, 22, 23, 22], ROWS, {22: 1, 23: 1})

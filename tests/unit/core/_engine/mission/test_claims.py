@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 from driving import BOTH_CLAMPED, Driver
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._engine.mission.program import TriggerSpec
 from pirate_sm.core._engine.mission.waiting import claim_of, counted, met_unknown
@@ -15,7 +16,6 @@ from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.odometry import BASE_M
 from pirate_sm.core._engine.state import Counted
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 BODY = """\

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.robot.robot_state import state_change
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 MISSION = """

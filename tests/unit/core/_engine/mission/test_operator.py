@@ -7,7 +7,7 @@ import math
 import pytest
 from driving import BOTH_CLAMPED, IDLE, command
 
-from pirate_sm.core._model import effects as fx
+from pirate_sm.core import effects as fx
 from pirate_sm.core._model import events as ev
 
 ASKING = """

@@ -8,8 +8,8 @@ import pytest
 
 from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._loading.mission.loader import load_mission
-from pirate_sm.core._model.effects import CommandStatus
 from pirate_sm.core._model.events import Abort, OperatorCommand, SubmitResult, Tick
+from pirate_sm.core.effects import CommandStatus
 
 ROOT = Path(__file__).parents[5]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from driving import BOTH_CLAMPED
 
-from pirate_sm.core._model import effects as fx
+from pirate_sm.core import effects as fx
 from pirate_sm.core._model import events as ev
 
 WAITING = """

@@ -7,7 +7,7 @@ import math
 import pytest
 from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, command
 
-from pirate_sm.core._model import effects as fx
+from pirate_sm.core import effects as fx
 from pirate_sm.core._model import events as ev
 
 HELD = {"bend_1": -0.7, "bend_2": 0.7, "bend_3": -0.7, "bend_4": 0.7}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from driving import driver_of, write_mission
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 # --- 1. Steps run one after the other, each awaited until it is done

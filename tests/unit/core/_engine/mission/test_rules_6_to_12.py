@@ -8,9 +8,9 @@ from dataclasses import replace
 import pytest
 from driving import BOTH_CLAMPED, DRIVING_FORWARD, PIRATE, Driver, driver_of, write_mission
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 CLOSE = ev.DetectorWord("close", 5.0)

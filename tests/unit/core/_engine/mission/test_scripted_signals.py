@@ -8,7 +8,7 @@ from math import isnan
 import pytest
 from driving import NEWT, Driver
 
-from pirate_sm.core._model import effects as fx
+from pirate_sm.core import effects as fx
 from pirate_sm.core._model.events import CommandFailed, SignalReport
 
 WAITING = """\

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from driving import BOTH_CLAMPED, REAR_CLAMPED, Driver, command
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine import safety
 from pirate_sm.core._engine.mission import flow
 from pirate_sm.core._engine.moment import Moment
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 TURN = 2 * math.asin((0.113 - 0.048) / 0.09)

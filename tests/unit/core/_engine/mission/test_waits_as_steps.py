@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._model import effects as fx
 
 ENDS = "\nends: {e: {succeed: ok}, bad: {fail: 'bad: {cause}'}}\n"
 

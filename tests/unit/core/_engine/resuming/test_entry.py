@@ -9,12 +9,12 @@ import pytest
 from cut_off import GRIPPING, CutOff
 from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, REAR_CLAMPED, changed_newt, command
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.mission.program import Do, Enter, Wait
 from pirate_sm.core._engine.resuming.hypotheses import hypotheses
 from pirate_sm.core._engine.resuming.resumption import Entry, Refused, entry, resumed_program
 from pirate_sm.core._engine.robot.robot_state import RESTORING, Mark
 from pirate_sm.core._engine.sensing.known_signals import with_changes
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 STEPS = """\

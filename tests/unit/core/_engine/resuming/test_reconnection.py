@@ -7,9 +7,9 @@ import math
 import pytest
 from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, Driver, command
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._engine.robot.robot_state import confirmed_parts
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 from pirate_sm.core._model.events import EVIDENCE_ENDS
 

@@ -16,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from world import COURSES, Action, Course
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._engine.resuming.hypotheses import hypotheses
 from pirate_sm.core._engine.resuming.reconciling import reconcile
@@ -24,7 +25,6 @@ from pirate_sm.core._engine.robot.robot_state import confirmed_parts
 from pirate_sm.core._engine.state import EngineState
 from pirate_sm.core._engine.unwatched import DarkWay
 from pirate_sm.core._loading.mission.loader import LoadedMission, load_mission
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 MISSIONS = [

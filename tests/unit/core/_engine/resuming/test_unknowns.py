@@ -10,6 +10,7 @@ import pytest
 from cut_off import GRIPPING, CutOff
 from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, REAR_CLAMPED, Driver
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.mission.program import Program, Wait
 from pirate_sm.core._engine.resuming.resumption import (
     Resumption,
@@ -17,7 +18,6 @@ from pirate_sm.core._engine.resuming.resumption import (
     resumption,
     unknowns,
 )
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 READING = """\

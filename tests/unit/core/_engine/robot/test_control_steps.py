@@ -9,8 +9,8 @@ import pytest
 from driving import Driver, command, write_mission
 from rolling_newt import BEARING, CONTROLS, SWITCH
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.robot.robot_state import at_rest_in, state_change
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 from pirate_sm.running.recording.format.json_values import state_from_text, state_to_text
 

@@ -11,7 +11,7 @@ from mcap.reader import make_reader
 from rolling_newt import BEARING, CONTROLS, rolling_newt
 
 from pirate_sm import read, run
-from pirate_sm.core._model import effects as fx
+from pirate_sm.core import effects as fx
 from pirate_sm.running.recording.csv_files import write_tables
 from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from driving import BOTH_CLAMPED, DRIVING_FORWARD, IDLE, NEWT, PIRATE, REAR_CLAMPED, Driver, command
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.robot import declared_states
 from pirate_sm.core._engine.robot.criteria import Sight
 from pirate_sm.core._engine.robot.declared_states import Before, Look, LookResult, Watched
@@ -21,7 +22,6 @@ from pirate_sm.core._engine.robot.robot_state import (
     RobotState,
     at_rest_in,
 )
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 TURNS = {

@@ -8,7 +8,7 @@ import pytest
 from rolling_newt import rolling_newt
 
 from pirate_sm import run
-from pirate_sm.core._model.effects import Setpoints
+from pirate_sm.core.effects import Setpoints
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.replay import replay

@@ -8,8 +8,8 @@ import pytest
 from driving import IDLE, Driver, command
 from rolling_newt import DRIVE, HELD
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 from pirate_sm.running.recording.format.json_values import state_from_text, state_to_text
 

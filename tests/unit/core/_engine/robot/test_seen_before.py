@@ -11,8 +11,8 @@ from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import at_rest_in
 from pirate_sm.core._loading.mission.loader import load_mission
-from pirate_sm.core._model.effects import Setpoints
 from pirate_sm.core._model.events import SensorFrame
+from pirate_sm.core.effects import Setpoints
 
 KEPT_DEG = 30.0
 

@@ -9,6 +9,7 @@ from driving import Driver, command
 from rolling_newt import DRIVE, HELD
 from test_loops_of_states import SEEKING, SLOW, driving
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.robot.robot_state import RobotState
 from pirate_sm.core._engine.robot.setpoint_arrays import (
@@ -18,7 +19,6 @@ from pirate_sm.core._engine.robot.setpoint_arrays import (
     stream,
     why_unconfirmed,
 )
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 

@@ -15,8 +15,8 @@ from driving import (
     command,
 )
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.robot.robot_state import RESTORING
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 CLAMP = {"bend_1": -0.7, "bend_2": 0.7}

@@ -18,12 +18,12 @@ from driving import (
     write_mission,
 )
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine import safety
 from pirate_sm.core._engine.mission.program import HandlerSpec
 from pirate_sm.core._engine.safety import FoundFault, silent_limit_s
 from pirate_sm.core._engine.sensing.odometry import unheard
 from pirate_sm.core._engine.state import OUTSIDE, FaultState
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 from pirate_sm.core._model.faults import BuiltInFault
 

@@ -7,10 +7,10 @@ import math
 import pytest
 from driving import BOTH_CLAMPED, IDLE, NEWT, PIRATE, Driver, command, write_mission
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.engine import Engine
 from pirate_sm.core._loading.mission.loader import load_mission
 from pirate_sm.core._loading.problems import LoadError
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 DEAD_WHEELS = """

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from driving import Driver, changed_newt, command, driver_of, write_mission
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.consequences import watch_rules
 from pirate_sm.core._engine.moment import Moment
-from pirate_sm.core._model import effects as fx
 
 OLD_RULES = """\
   - rule: never_let_go

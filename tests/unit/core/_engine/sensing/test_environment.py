@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from driving import NEWT, PIRATE, Driver, changed_newt
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._loading.robot.loader import load_robot
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 Drive = Callable[..., Driver]

@@ -7,7 +7,7 @@ import math
 import pytest
 from driving import BOTH_CLAMPED, DRIVING_FORWARD, IDLE, NEWT, PIRATE, changed_newt, command
 
-from pirate_sm.core._model import effects as fx
+from pirate_sm.core import effects as fx
 from pirate_sm.core._model import events as ev
 
 CARELESS = f"on_fault: [{{fault: [sensor.silent, robot.stuck], then: continue}}]\n{IDLE}"

@@ -8,8 +8,8 @@ from math import asin, cos, isnan, nan
 import pytest
 from driving import DRIVING_FORWARD, IDLE, PIRATE, Driver
 
+from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.engine import Engine
-from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
 
 RADIUS_M = 0.024

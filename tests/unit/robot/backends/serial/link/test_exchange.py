@@ -310,11 +310,11 @@ def test_whoever_sleeps_until_something_is_due_waits_until_the_line_is_free(
         talk.run(0.15)
     else:
         talk.submit(2, OTHER)
-    talk.exchange.wrote(1000, talk.now)
+    talk.exchange.throttle.wrote(1000, talk.now)
     now = talk.now + 0.11
 
     assert talk.exchange.outage is not None or not silent
-    assert now < talk.exchange.due_s(now) <= talk.exchange.room_s(60, now)
+    assert now < talk.exchange.due_s(now) <= talk.exchange.throttle.free_s(60, now)
 
 
 def test_what_the_boards_reported_since_its_return_follows_the_fault(
