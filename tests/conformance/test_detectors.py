@@ -34,3 +34,7 @@ class TestCamera(DetectorContract):
     def subject(self) -> Subject:
         mission = load_mission(library.find_mission("mitre_bend"))
         return Subject(DETECTORS.find("vision"), mission, argument=str(CAMERA))
+
+    test_it_can_begin_again_for_another_mission = pytest.mark.thorough(
+        DetectorContract.test_it_can_begin_again_for_another_mission
+    )

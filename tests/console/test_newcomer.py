@@ -18,6 +18,7 @@ from .driving import by_hand, operator, played, with_mission
 from .test_looks import text_of
 
 
+@pytest.mark.thorough
 def test_somebody_drives_in_by_hand_and_lets_the_bend_mission_take_over() -> None:
     async def story() -> None:
         prepared = by_hand()  # nothing to check yet; missions are

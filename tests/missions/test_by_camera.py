@@ -65,6 +65,7 @@ def test_places_and_pictures_are_recorded(recording: Path) -> None:
     assert lasted_s <= len(pictures) <= 2.2 * lasted_s + 3
 
 
+@pytest.mark.thorough
 def test_the_report_shows_what_was_seen_at_each_word(recording: Path) -> None:
     report = report_of(read_recording(recording))
 
@@ -73,6 +74,7 @@ def test_the_report_shows_what_was_seen_at_each_word(recording: Path) -> None:
     assert page.count("data:image/jpeg;base64,") == len(report.photos)
 
 
+@pytest.mark.thorough
 def test_the_camera_measures_the_speed_against_which_slip_is_judged(recording: Path) -> None:
     run = pirate_sm.read(recording)
     speeds = [each for each in run.signals["ruler_m_per_s"] if not isnan(each)]

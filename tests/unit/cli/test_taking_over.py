@@ -45,15 +45,17 @@ def declaring(it: World, **states: str) -> World:
 
 @pytest.fixture
 def says(monkeypatch: pytest.MonkeyPatch) -> Says:
-    """Somebody at the terminal gives these answers, and thinks for a while before each."""
+    """Somebody at the terminal gives these answers, and thinks before each."""
 
-    def answering(prepared: Prepared, *answers: str | Callable[[], str]) -> None:
+    def answering(
+        prepared: Prepared, *answers: str | Callable[[], str], thinks_s: float = 1.0
+    ) -> None:
         left = list(answers)
 
         def answered(check: Callable[[], None]) -> str:
             backend = prepared.backend
             assert isinstance(backend, SerialBackend)
-            until_s = backend.port.now() + 20.0
+            until_s = backend.port.now() + thinks_s
             while backend.port.now() < until_s:
                 backend.tend()
             check()
@@ -148,7 +150,7 @@ def test_a_person_adopts_after_having_looked_again(
     clamped: World, says: Says, capsys: pytest.CaptureFixture[str]
 ) -> None:
     prepared = prepared_on(clamped, clamped.port)
-    says(prepared, "l", "1")
+    says(prepared, "l", "1", thinks_s=20.0)
     found, begun = take_over(prepared, ConsoleOptions(), StopRequests())
     shown = capsys.readouterr().out
 

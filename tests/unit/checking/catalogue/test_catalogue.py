@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -59,8 +60,14 @@ COMPOSED = {
 """Codes that are put together when they are raised."""
 
 
+@cache
+def parsed(file: Path) -> ast.Module:
+    return ast.parse(file.read_text("utf-8"))
+
+
+@cache
 def raised() -> set[str]:
-    found = {code for file in SOURCES for code in codes_in(ast.parse(file.read_text("utf-8")))}
+    found = {code for file in SOURCES for code in codes_in(parsed(file))}
     form = {code for file in SOURCES for code in form_codes_in(file)}
     return (found | form).union(*COMPOSED.values())
 
@@ -79,14 +86,14 @@ def codes_in(node: ast.AST) -> Iterator[str]:
 
 def form_codes_in(file: Path) -> Iterator[str]:
     """Codes without a group, which only loading raises."""
-    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+    for node in ast.walk(parsed(file)):
         if "_loading" in file.parts and isinstance(node, ast.Call) and _name(node) in FORM:
             first = (each.value for each in node.args[:3] if isinstance(each, ast.Constant))
             yield from [text for text in first if isinstance(text, str)][:1]
 
 
 def templates_in(file: Path) -> Iterator[str]:
-    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+    for node in ast.walk(parsed(file)):
         if isinstance(node, ast.JoinedStr):
             parts = (str(p.value) if isinstance(p, ast.Constant) else "{}" for p in node.values)
             template = "".join(parts)

@@ -345,7 +345,7 @@ HOSTILE = {
     "long_condition": MISSION.replace(
         "go: e", f"wait: [{{when: '{'(' * 50_000}', go: e}}], within: {{time: 1 s, go: e}}"
     ),
-    "many_faults": "mission: m\nphases: {}\n" + "".join(f"k{n}: 1\n" for n in range(20_000)),
+    "many_faults": "mission: m\nphases: {}\n" + "".join(f"k{n}: 1\n" for n in range(5_000)),
     "binary": "mission: m\nphases: {}\n\0\0\0",
     "climbing": MISSION.replace("robot: pirate_ii", "robot: ../../../../../../etc"),
     "itself": MISSION.replace("[ClampFront]", "[{call: ./itself.yaml}]"),

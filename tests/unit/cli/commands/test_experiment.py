@@ -17,6 +17,7 @@ def without_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(needed_extras, "find_spec", lambda module: None)
 
 
+@pytest.mark.thorough
 def test_the_thesis_stands_beside_ours_with_a_verdict_and_its_reason(
     pirate: Any, tmp_path: Path
 ) -> None:

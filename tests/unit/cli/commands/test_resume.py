@@ -403,13 +403,13 @@ def cut_on_a_link(path: Path, mission: str, until_s: float) -> Cut:
     return Cut(it, path)
 
 
-def test_belief_a_person_may_think_for_a_minute_before_a_mission_goes_on(
+def test_belief_a_person_may_think_before_a_mission_goes_on(
     tmp_path: Path, operator: Callable[..., Operator]
 ) -> None:
     """It was `link.silent` after 14 s, and both clamps were not confirmed."""
     cut = cut_on_a_link(tmp_path / "cut.mcap", "mitre_bend", 10.5)
     dialog = cut.dialog("sim")
-    operator(dialog, "l", "g", thinks_s=60.0)
+    operator(dialog, "l", "g", thinks_s=20.0)
     chosen = dialog.decide()
     assert chosen is not None
     after, _ = ride_on(chosen[0], _Grip(cut.it.loaded, cut.it.bay), resuming=chosen[1])

@@ -47,6 +47,14 @@ def alone(recording, **options):
         return replay(recording, loaded, **options)
 
 
+@pytest.fixture(params=["threads", pytest.param("processes", marks=pytest.mark.thorough)])
+def workers(request, monkeypatch):
+    if request.param == "threads":
+        threads = SimpleNamespace(Pool=lambda processes, _: ThreadPool(processes))
+        monkeypatch.setattr(multiprocessing, "get_context", lambda _: threads)
+
+
+@pytest.mark.usefixtures("workers")
 def test_shared_out_the_same_is_found(run):
     assert replay_shared(run, 2) == alone(run)
 
@@ -58,12 +66,8 @@ def test_so_is_a_stretch(run):
     assert replay_shared(run, 2, after=after, until_s=20.0) == alone(run, after=after, until_s=20.0)
 
 
-@pytest.mark.parametrize("in_processes", [False, pytest.param(True, marks=pytest.mark.thorough)])
-def test_so_is_the_first_difference(wrong, in_processes, monkeypatch):
-    if not in_processes:
-        threads = SimpleNamespace(Pool=lambda processes, _: ThreadPool(processes))
-        monkeypatch.setattr(multiprocessing, "get_context", lambda _: threads)
-
+@pytest.mark.usefixtures("workers")
+def test_so_is_the_first_difference(wrong):
     found = replay_shared(wrong, 2)
 
     assert found == alone(wrong)
