@@ -3,7 +3,6 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,8 @@ from typer.testing import CliRunner, Result
 
 from pirate_sm.cli.entry import commands, only_run
 from pirate_sm.running.runtime.ending import BY_SIGNAL
+
+from .forked import ForkedRun
 
 ROOT = Path(__file__).resolve().parents[3]
 NEWT = ROOT / "tests" / "robots" / "newt"
@@ -42,16 +43,15 @@ def start() -> Iterator[Callable[..., subprocess.Popen[str]]]:
     started: list[subprocess.Popen[str]] = []
 
     def start_it(*arguments: Any, **options: Any) -> subprocess.Popen[str]:
-        code = "from pirate_sm.cli.entry import run_main; run_main()"
-        process = subprocess.Popen(
-            [sys.executable, "-c", code, *map(str, arguments)],
+        process = ForkedRun(
+            [*map(str, arguments)],
             stdin=subprocess.DEVNULL,
             stdout=options.pop("stdout", subprocess.PIPE),
             stderr=subprocess.PIPE,
             text=True,
             cwd=ROOT,
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
-            preexec_fn=_usual_signals,  # noqa: PLW1509 - this process has no threads
+            env=os.environ,
+            preexec_fn=_usual_signals,
             **options,
         )
         started.append(process)

@@ -7,12 +7,11 @@ import os
 import pty
 import select
 import signal
-import subprocess
-import sys
 import termios
 from collections.abc import Callable
 
 from .conftest import ROOT
+from .forked import ForkedRun
 
 
 def _take_the_terminal() -> None:
@@ -28,14 +27,13 @@ def on_a_terminal(
     ours, theirs = pty.openpty()
     termios.tcsetwinsize(theirs, (size[1], size[0]))
     before = termios.tcgetattr(theirs)
-    code = "from pirate_sm.cli.entry import run_main; run_main()"
-    environment = {**os.environ, "TERM": "xterm-256color", "PYTHONPATH": str(ROOT)}
+    environment = {**os.environ, "TERM": "xterm-256color"}
     for name in ("COLUMNS", "LINES", "NO_COLOR"):
         environment.pop(name, None)
-    process = subprocess.Popen(
-        [sys.executable, "-c", code, *arguments],
+    process = ForkedRun(
+        arguments,
         stdin=theirs, stdout=theirs, stderr=theirs, cwd=ROOT, env=environment,
-        start_new_session=True, preexec_fn=_take_the_terminal,  # noqa: PLW1509 - no threads here
+        start_new_session=True, preexec_fn=_take_the_terminal,
     )  # fmt: skip
     shown = ""
     while True:
