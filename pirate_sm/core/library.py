@@ -5,6 +5,7 @@ The shipped ones are inside the installed package, or at the root of a source tr
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -47,27 +48,33 @@ def robots() -> list[Path]:
 
 def missions() -> list[Path]:
     """Return the files of the shipped missions."""
-    return sorted((shipped() / "sequences").glob("*.yaml"))
+    return _files("sequences")
 
 
 def pipes() -> list[Path]:
     """Return the files of the shipped pipes."""
-    return sorted((shipped() / "sequences" / "pipes").glob("*.yaml"))
+    return _files("sequences", "pipes")
 
 
 def cameras() -> list[Path]:
     """Return the files of the shipped cameras."""
-    return sorted((shipped() / "cameras").glob("*.yaml"))
+    return _files("cameras")
 
 
 def panels() -> list[Path]:
     """Return the files of the shipped control panels."""
-    return sorted((shipped() / "panels").glob("*.yaml"))
+    return _files("panels")
 
 
 def scenes() -> list[Path]:
     """Return the files of the shipped scenes of the gallery."""
-    return sorted((shipped() / "demos").glob("*.yaml"))
+    return _files("demos")
+
+
+def _files(*folders: str) -> list[Path]:
+    folder = shipped().joinpath(*folders)
+    names = sorted(os.listdir(folder))  # noqa: PTH208 - paths are ten times as slow to sort
+    return [folder / name for name in names if name.endswith(".yaml")]
 
 
 def find_scene(name: str) -> Path:
