@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.settings import BUILT_IN, SettingValue, runs, unusable_runs
-from pirate_sm.core.effects import Effect, Log
+from pirate_sm.core.companion import UsualCompanion
+from pirate_sm.core.effects import Log
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.events import Event
 from pirate_sm.core.library import shown
 from pirate_sm.running.wiring.run_recorder import (
     Kept,
@@ -193,10 +193,8 @@ def until_when(recorder: Recorder) -> str:
     return f"the recording holds until {recorder.kept_s:.3f} s and ends there: {recorder.failure}"
 
 
-class Warner:
+class Warner(UsualCompanion):
     """A companion that warns once if the recording has ended before the run."""
-
-    listening = False
 
     def __init__(self, recorder: Recorder) -> None:
         self._recorder = recorder
@@ -207,14 +205,7 @@ class Warner:
         """At once if there is a warning; else infinite."""
         return 0.0 if self._recorder.failure and not self.warning else inf
 
-    def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Do nothing."""
-
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Return the warning."""
         self.warning = until_when(self._recorder)
         return (Log("warning", f"{self.warning}; the run continues"),)
-
-    def speak(self, now_s: float) -> Sequence[Event]:
-        """Return no event."""
-        return ()

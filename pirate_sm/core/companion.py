@@ -40,6 +40,23 @@ class Companion(Protocol):
         """Return the events due now, often none, and advance ``due_s``."""
 
 
+class UsualCompanion:
+    """What most companions do: wait for no person, ignore effects, say nothing.
+
+    A companion that derives from it has its own :attr:`Companion.due_s`, and does something else
+    where it has to.
+    """
+
+    listening: bool = False
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Do nothing."""
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return no events."""
+        return ()
+
+
 @runtime_checkable
 class Onlooker(Protocol):
     """A companion that receives the engine's state before each call of ``speak``."""

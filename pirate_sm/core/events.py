@@ -34,7 +34,6 @@ from pirate_sm.core._model.faults import BUILT_IN_FAULTS, BuiltInFault
 from pirate_sm.core._model.whereabouts import (
     InSpace,
     Look,
-    Rows,
     SeenMark,
     Sighting,
     Stood,

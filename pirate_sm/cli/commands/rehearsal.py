@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pirate_sm.checking.reports.check_report import Nearly, Rehearsal, Rehearse, RehearsedRun
 from pirate_sm.cli.errors import say
+from pirate_sm.core.companion import UsualCompanion
 from pirate_sm.core.effects import Effect, TriggerFired, WaitArmed
 from pirate_sm.core.engine import has_come
 from pirate_sm.core.errors import ExitCode, UsageError
@@ -137,17 +138,12 @@ class _Early:
                     self.found[trigger.place] = trigger.condition.text
 
 
-class _Patience:
+class _Patience(UsualCompanion):
     """A companion that stops a run that does not end by itself."""
-
-    listening = False
 
     def __init__(self, requests: StopRequests) -> None:
         self._requests = requests
         self.due_s = LONGEST_S
-
-    def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Do nothing."""
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Ask the run to end; return no event."""
@@ -189,11 +185,10 @@ def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> l
     return way.stops
 
 
-class _EndOfCourse:
+class _EndOfCourse(UsualCompanion):
     """A companion that stops a run when its event sequence is over."""
 
     due_s = inf
-    listening = False
 
     def __init__(self, player: CoursePlayer, requests: StopRequests) -> None:
         self._player = player
@@ -203,7 +198,3 @@ class _EndOfCourse:
         """Ask the run to stop after the last event."""
         if self._player.over:
             self._requests.ask(Stop("the event sequence is over", ExitCode.SUCCEEDED))
-
-    def speak(self, now_s: float) -> Sequence[Event]:
-        """Return no event."""
-        return ()

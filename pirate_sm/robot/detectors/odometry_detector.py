@@ -20,6 +20,7 @@ from dataclasses import replace
 from math import inf, isnan, nan, radians
 from statistics import median
 
+from pirate_sm.core.companion import UsualCompanion
 from pirate_sm.core.effects import CommandStatus, Effect, Log, Setpoints, StateChange
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import UsageError
@@ -187,7 +188,7 @@ _PATIENCE_S = 1.0
 """How long a joint may be silent at the start, or while clamps change."""
 
 
-class Odometry:
+class Odometry(UsualCompanion):
     """A companion that reckons from the engine's signals and reports detector words.
 
     Args:
@@ -202,8 +203,6 @@ class Odometry:
     Raises:
         UsageError: The robot has no odometry, or the position is outside the pipe.
     """
-
-    listening = False
 
     def __init__(
         self, profile: Profile, robot: RobotSpec, pipe: Pipe, first_wheel_m: float | None = None

@@ -8,6 +8,7 @@ from random import Random
 from string import ascii_lowercase
 from typing import Protocol
 
+from pirate_sm.core.companion import UsualCompanion
 from pirate_sm.core.effects import Effect, Ended, Log
 from pirate_sm.core.engine import EngineState, has_come
 from pirate_sm.core.events import DetectorWord, Event, Look, OutsideNumber, WordWatch
@@ -19,7 +20,7 @@ from pirate_sm.robot.detectors.word_timing import LOOK_EVERY_S, Repeater, WordDe
 # --- the simulator --------------------------------------------------------------------------------
 
 
-class TruePlaces:
+class TruePlaces(UsualCompanion):
     """A companion that knows the true positions; its words have the profile's errors.
 
     Args:
@@ -29,8 +30,6 @@ class TruePlaces:
         places_m: Returns the position of each wheel along the pipe.
         seed: Seed of the words' errors.
     """
-
-    listening = False
 
     def __init__(
         self,
@@ -47,9 +46,6 @@ class TruePlaces:
         errors = [chance.gauss(0.0, profile.simulation.noise.detector) for _ in words]
         self._detector = WordDetector(words, errors, bends, profile.detector.valid_for)
         self._word: DetectorWord | None = None
-
-    def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Do nothing."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Read the positions of the wheels and the direction in which they are driven."""
@@ -132,7 +128,7 @@ class WordKeys:
 # --- signals --------------------------------------------------------------------------------------
 
 
-class SignalWords:
+class SignalWords(UsualCompanion):
     """A companion that evaluates the conditions of the words at every look.
 
     If several hold, the last of the profile's list is reported. While a condition is unknown,
@@ -143,17 +139,12 @@ class SignalWords:
         valid_for_s: How long a word is valid.
     """
 
-    listening = False
-
     def __init__(self, robot: RobotSpec, valid_for_s: float) -> None:
         self.due_s = 0.0
         self._robot = robot
         self._since_s: dict[str, float] = {}
         self._repeater = Repeater(valid_for_s)
         self._said: tuple[Event, ...] = ()
-
-    def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Do nothing."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Evaluate the conditions."""
@@ -191,7 +182,7 @@ class SignalWords:
 # --- the ruler ------------------------------------------------------------------------------------
 
 
-class Ruler:
+class Ruler(UsualCompanion):
     """A companion that knows the true places and reports the noisy speed of their mean.
 
     Args:
@@ -199,8 +190,6 @@ class Ruler:
         places: Returns a time in s, and where each wheel was along the pipe then, m, front to rear.
         seed: Of its errors.
     """
-
-    listening = False
 
     def __init__(
         self,
@@ -213,9 +202,6 @@ class Ruler:
         self._places = places
         self._chance = Random(f"ruler {seed}")
         self._last: tuple[float, float] | None = None
-
-    def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Do nothing: what counts is where the robot is."""
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return the mean speed since the last look, m/s, positive ahead."""

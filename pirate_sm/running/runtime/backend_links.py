@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from math import inf
 
-from pirate_sm.core.companion import Companion, Relieved
+from pirate_sm.core.companion import Companion, Relieved, UsualCompanion
 from pirate_sm.core.effects import Effect, Log
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.events import BuiltInFault, Event, FaultReport, WordWatch
@@ -21,7 +21,7 @@ _LOOK_S, _SLID_M = 0.6, 0.1
 way by more than this has slid. Its own sensors show a fall in less time [decided]."""
 
 
-class Holder:
+class Holder(UsualCompanion):
     """Passes the safe array to the backend at every turn, to be sent should this process die.
 
     Args:
@@ -29,7 +29,6 @@ class Holder:
     """
 
     due_s = inf
-    listening = False
 
     def __init__(self, hold: Callable[[tuple[float, ...], Collection[int]], None]) -> None:
         self._hold = hold
@@ -46,19 +45,13 @@ class Holder:
         if self._engine is not None and state is not None:
             self._hold(self._engine.safe_values(state), self._engine.seeking(state))
 
-    def speak(self, now_s: float) -> Sequence[Event]:
-        """Return nothing."""
-        return ()
 
-
-class Messenger:
+class Messenger(UsualCompanion):
     """Passes the backend's remarks on to people while the mission itself is stopped.
 
     Args:
         remark: Returns each remark of the backend once; empty if there is none.
     """
-
-    listening = False
 
     def __init__(self, remark: Callable[[], str]) -> None:
         self._remark = remark
@@ -70,20 +63,13 @@ class Messenger:
         self._text = self._text or self._remark()
         return -inf if self._text else inf
 
-    def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Do nothing."""
-
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Return the backend's remark."""
         text, self._text = self._text, ""
         return (Log("warning", text),)
 
-    def speak(self, now_s: float) -> Sequence[Event]:
-        """Return nothing, because remarks do not concern the engine."""
-        return ()
 
-
-class SlideWatch:
+class SlideWatch(UsualCompanion):
     """Reports that a simulated robot has slid while no part held it and no wheel was driven.
 
     Perhaps no sensor shows it: the wheels do not turn, and friction lets the robot weigh nearly
@@ -94,8 +80,6 @@ class SlideWatch:
         fault: Returns what else the surroundings have to report, looked for all the time; None for
             a backend that reports it itself.
     """
-
-    listening = False
 
     def __init__(
         self,

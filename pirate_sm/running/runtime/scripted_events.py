@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from math import inf, isfinite
 from typing import Literal, NamedTuple
 
+from pirate_sm.core.companion import UsualCompanion
 from pirate_sm.core.effects import (
     Ask,
     Effect,
@@ -41,15 +42,13 @@ class Answered(Log):
     __slots__ = ()
 
 
-class FirstChoice:
+class FirstChoice(UsualCompanion):
     """Answers every question immediately with the expected answer, because nobody can be asked.
 
     Args:
         why: Why nobody can be asked, for a log line with each answer. Empty: no log lines.
         level: Level of the log lines.
     """
-
-    listening = False
 
     def __init__(self, why: str = "", level: Literal["info", "warning"] = "info") -> None:
         self._why = why
@@ -80,7 +79,7 @@ class FirstChoice:
 # --- repetitions ----------------------------------------------------------------------------------
 
 
-class LoopWatch:
+class LoopWatch(UsualCompanion):
     """Ends a trace that comes back to an earlier situation.
 
     Only a script decides what happens in a trace. If a situation recurs and the script has no new
@@ -89,8 +88,6 @@ class LoopWatch:
     Args:
         pending: Returns how many entries of the script are unused.
     """
-
-    listening = False
 
     def __init__(self, pending: Callable[[], int]) -> None:
         self.due_s = inf
@@ -151,7 +148,7 @@ class Firing(NamedTuple):
     phase: str = ""
 
 
-class TriggerScript:
+class TriggerScript(UsualCompanion):
     """Fires triggers: as listed, otherwise the first trigger of each wait.
 
     A wait uses up the first entry that fits it.
@@ -164,8 +161,6 @@ class TriggerScript:
         unused: Entries that no wait has used yet.
         forestalled: Entries whose wait ended for another reason before they were due.
     """
-
-    listening = False
 
     def __init__(self, program: Program, firings: Iterable[Firing] = ()) -> None:
         self.due_s = inf
@@ -250,7 +245,7 @@ def longest_s(course: Sequence[Happening], robot: RobotSpec, program: Program) -
     return longest * sum(each.happens == "time" for each in course)
 
 
-class CoursePlayer:
+class CoursePlayer(UsualCompanion):
     """A companion that makes the events happen; after the last one all goes well.
 
     Args:
@@ -262,8 +257,6 @@ class CoursePlayer:
     Attributes:
         over: Whether all events have happened.
     """
-
-    listening = False
 
     def __init__(
         self,

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from rich.text import Text
 
+from pirate_sm.core.companion import UsualCompanion
 from pirate_sm.core.effects import CommandStatus, Effect, Ended, Fault, Log
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.events import Event, GoTo, OperatorCommand
@@ -52,7 +53,7 @@ class SaidPlace(NamedTuple):
     came_m: float = nan
 
 
-class HandDriving:
+class HandDriving(UsualCompanion):
     """A companion of the console's runs that stops what is driven by hand.
 
     A terminal reports no release of a key. A key counts as held until its repeats stay away, which
@@ -67,8 +68,6 @@ class HandDriving:
         limit_m: One of ``LIMITS_M``.
         place: Where the robot is, as somebody has said.
     """
-
-    listening = False
 
     def __init__(self, latest: Callable[[], Snapshot], factor: float = 1.0) -> None:
         self.speed, self.limit_m, self.place = 1.0, inf, SaidPlace()
@@ -132,9 +131,6 @@ class HandDriving:
     def due_s(self) -> float:
         """At once after a key; else at the next look."""
         return -inf if self._pressed else self._due_s
-
-    def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Do nothing: :meth:`look` sees what has become of the robot."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Find out what is to be said now: a drive, a brake, a warning."""
@@ -291,7 +287,7 @@ class CommandSeries(NamedTuple):
         return self.commands[self.done] if self.done < len(self.commands) else ""
 
 
-class Giver:
+class Giver(UsualCompanion):
     """A companion of the console's runs that gives a series of commands.
 
     A command follows when the one before is done. A refusal, a failure or a fault stops the series,
@@ -300,8 +296,6 @@ class Giver:
     Attributes:
         series: The newest series; None before the first.
     """
-
-    listening = False
 
     def __init__(self) -> None:
         self.series: CommandSeries | None = None

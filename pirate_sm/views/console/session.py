@@ -14,7 +14,7 @@ from math import inf, isnan
 from threading import Thread
 from typing import Any
 
-from pirate_sm.core.companion import entered
+from pirate_sm.core.companion import UsualCompanion, entered
 from pirate_sm.core.effects import Effect, Ended, Log
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import ExitCode
@@ -50,14 +50,12 @@ LOOK_EVERY_S = 0.02
 """The longest delay of an operator's event to the engine."""
 
 
-class RunBridge:
+class RunBridge(UsualCompanion):
     """An observer, watcher and companion of the runs of one session, one after the other.
 
     Attributes:
         asked: Number of the operator's events in the current run.
     """
-
-    listening = False
 
     def __init__(self, scene: MissionScene, prepared: Prepared, clock: Clock) -> None:
         self._clock = clock
@@ -111,9 +109,6 @@ class RunBridge:
     def due_s(self) -> float:
         """When it is due: immediately after a request of the operator."""
         return -inf if self._waiting else self._due_s
-
-    def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Do nothing: :meth:`see` notes what has happened."""
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Make a new snapshot; return a log line for each answer of the operator."""

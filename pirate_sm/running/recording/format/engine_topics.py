@@ -29,7 +29,7 @@ from pydantic_core import to_json
 
 from pirate_sm.core import effects as fx
 from pirate_sm.core import events
-from pirate_sm.core.events import InSpace, Rows
+from pirate_sm.core.events import InSpace
 from pirate_sm.core.geometry import Place
 from pirate_sm.running.recording.format.json_values import (
     NUMBER,
@@ -458,7 +458,7 @@ def decode_samples(batch: dict[str, Any]) -> Iterator[Placed]:
         yield Placed(at_s, known, wheels, _space_of(more, len(wheels)), _nine_digits(rolled))
 
 
-def _finite(rows: Rows) -> Rows:
+def _finite(rows: Sequence[Sequence[float]]) -> Sequence[Sequence[float]]:
     if isfinite(sum(map(sum, rows))):
         return rows
     return [row if isfinite(sum(row)) else () for row in rows]
