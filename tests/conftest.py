@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from hypothesis.internal.conjecture import providers
 
 from pirate_sm.simulation.machine_code.built_library import find_library
 
@@ -20,7 +21,11 @@ same = {"derandomize": True, "database": None, "deadline": None}
 settings.register_profile("repeatable", max_examples=25, **same)
 settings.register_profile("thorough", max_examples=200, **same)
 settings.register_profile("explore", max_examples=2_000, deadline=None)
-settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+settings.load_profile(profile := os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+if profile == "repeatable":
+    # Otherwise examples hang on the constants of all modules that happen to be loaded, which each
+    # process would read for seconds.
+    providers.is_local_module_file = lambda path: False
 
 # On a busy machine the threads of linear algebra wait for each other a hundred times longer than
 # the small matrices here take. It counts only if it is set before numpy is imported.
