@@ -371,11 +371,12 @@ class SetpointLink:
             flight.reported, flight.began_s = True, now
             self._report(flight.order.setpoint_id, "accepted", "")
         later = flight.numbers[place + 1 :]
-        if later and not flight.needed:
-            flight.numbers[:] = later  # only these still matter
+        if later and not (flight.needed and self._refresh_every_s < inf):
+            flight.numbers[:] = later  # only these still matter: the last may come damaged
             return
         # The device has the array again, and later copies are refreshes of it. Where these follow
-        # each other faster than a round trip, the echo of none would be that of the last.
+        # each other faster than a round trip, the echo of none would be that of the last. One that
+        # comes damaged is mended by the next refresh.
         self._unanswered |= {each: Unanswered(self._recent[each][1]) for each in later}
         self._flight = None
 

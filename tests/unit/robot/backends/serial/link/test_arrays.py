@@ -363,6 +363,24 @@ def test_copies_that_follow_faster_than_a_round_trip_confirm_the_last_array_agai
     assert line.link.quality.lost_one_way < 0.6, "late echoes are no losses"
 
 
+def test_without_refreshes_the_last_copy_is_waited_for_since_it_may_have_come_damaged() -> None:
+    line = Line(NEVER)
+    line.link.submit(1, (0.0,), line.now_s)
+    line.run(1.0)
+    line.written.clear()
+
+    line.link.reassert(line.now_s)
+    line.run(line.now_s + 0.16, arriving=False)
+    (_, first, counts), (_, last, _) = line.written
+    line.link.echoed(first, counts, line.now_s)
+    assert not line.link.idle, "the second copy may be what the device has now"
+    line.link.echoed(last, (777,), line.now_s)
+    line.run(line.now_s + 1.0)
+
+    assert line.written[-1][2] == (0,), "written again"
+    assert line.link.idle
+
+
 def test_a_last_array_that_is_not_confirmed_again_is_a_fault(line: Line) -> None:
     line.link.submit(1, (0.1,), line.now_s)
     line.run(0.5)
