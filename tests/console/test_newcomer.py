@@ -69,7 +69,7 @@ def test_somebody_drives_in_by_hand_and_lets_the_bend_mission_take_over() -> Non
             assert not me.latest.state.mission.paused
 
             # Taken over in the bend, by the light; handed back where it was.
-            me.until(lambda: me.latest.story.phase.phase.startswith("pass"))
+            me.until(lambda: me.latest.story.phase.phase.startswith("pass"), 90)
             me.wait(1.0)
             await me.press("P")
             me.until(lambda: me.latest.state.mission.paused and not me.latest.state.robot.flight)
@@ -110,7 +110,7 @@ def test_a_mission_that_was_taken_over_is_handed_back_where_it_fits() -> None:
             await me.look()
             await me.choose("prepare")
             await me.press("y")  # the wait of enter was not passed
-            me.until(lambda: me.latest.story.phase.phase.startswith("pass"))
+            me.until(lambda: me.latest.story.phase.phase.startswith("pass"), 90)
             assert any("handed back at prepare" in each for each in me.told())
 
     played(story)
@@ -227,7 +227,7 @@ def test_a_mission_that_was_stopped_says_where_and_is_handed_back_there() -> Non
             await me.look()
             if isinstance(me.app.screen, Confirm):  # its waits, or the drive that was stopped
                 await me.press("y")
-            me.until(lambda: me.latest.story.phase.phase.startswith("pass"))
+            me.until(lambda: me.latest.story.phase.phase.startswith("pass"), 90)
             assert not me.latest.story.stopped_in_phase
 
     played(story)

@@ -21,7 +21,7 @@ def test_its_mission_is_paused_where_it_was_and_goes_on_when_the_operator_says_s
     tmp_path: Path,
 ) -> None:
     path = tmp_path / "cut.mcap"
-    record_cut_off(path, Order("mitre_bend"), 6.0)
+    record_cut_off(path, Order("mitre_bend"), 16.0)
     dialog = resume_dialog(RunOptions(resume=str(path), accept=True), StopRequests())
     chosen = dialog.decide()
     assert chosen is not None

@@ -8,7 +8,7 @@ import pytest
 from representative import thorough_but
 
 from pirate_sm.core import library
-from pirate_sm.core.effects import Fault, StateChange
+from pirate_sm.core.effects import Fault
 
 CROSSING_M = 1.0
 UPRIGHT = ["mitre_90_from_below", "mitre_90_from_above", "mitre_90_up", "mitre_90_down"]
@@ -32,9 +32,12 @@ def late(tmp_path):
     shutil.copytree(library.find_pipe("mitre_90").parent, tmp_path / "pipes")
     path = tmp_path / "take_bend.yaml"
     text = path.read_text("utf-8")
-    right = "when: gamma_2 < -2 deg and gamma_2 > -30 deg,"
+    right = "when: gamma_2 < 15 deg and gamma_2 > -30 deg,"
     assert right in text
-    path.write_text(text.replace(right, "when: detector == in, held: 200 ms,"), "utf-8")
+    text = text.replace(right, "when: detector == in, held: 200 ms,")
+    answer = "{fault: clamp.slipping, go: again}"
+    assert answer in text
+    path.write_text(text.replace(answer, "{fault: clamp.slipping, go: regrip}"), "utf-8")
     return path
 
 
@@ -48,43 +51,28 @@ def places(backend, *times_s):
     return found
 
 
-@pytest.mark.parametrize(
-    ("seed", "faults"),
-    [
-        # Once the rear is clamped the front opens to its end stop, for it has no wall there.
-        (3, [("clamp.slipping", "again"), ("clamp.lost", "regrip")]),
-        pytest.param(
-            6, [("clamp.slipping", "again"), ("clamp.lost", "regrip")], marks=pytest.mark.thorough
-        ),
-        # It slides with a tight spring, which is not seen (decision 25), until the V has opened.
-        (10, [("clamp.lost", "regrip")]),
-    ],
-)
+@pytest.mark.parametrize("seed", thorough_but([3], [3, 6, 10]))
 def test_a_part_that_slides_while_it_holds_alone_is_a_fault_and_the_robot_ends_held(
-    run, late, seed, faults
+    run, late, seed
 ):
     record = run(late, backend="sim", pipe="mitre_90_from_below", seed=seed, **JITTER)
-    assert [(fault.code, fault.handling) for fault in record.of(Fault)] == faults
-    stopped = faults[-1][1] == "stop"
-    assert record.ended.outcome == ("fault" if stopped else "failed")
-    lost = faults[-1][0] == "clamp.lost"
-    assert ("there is no wall" if lost else faults[0][0]) in record.ended.message
-    assert ("both parts clamped" in record.ended.message) != (stopped or lost)
-    if lost:  # said is not seen: the front is not taken to hold
-        assert "BendingState" in record.of(StateChange)[-1].unconfirmed
+    faults = [(fault.code, fault.handling) for fault in record.of(Fault)]
+    assert faults == [("clamp.slipping", "regrip")]
+    assert record.ended.outcome == "failed"
+    assert "both parts clamped, after clamp.slipping" in record.ended.message
     backend = record.prepared.backend
     at_end = backend.truth.arcs_m
     # The springs settle for some seconds after the last command.
     settled, later = places(backend, 200.0, 210.0)
     assert later == pytest.approx(settled, abs=1e-3)
-    assert later[-1] == pytest.approx(at_end[-1], abs=1e-3)  # the rear has carried it all along
+    assert later[-1] == pytest.approx(at_end[-1], abs=0.02)  # the rear has carried it all along
 
 
 def test_the_wheels_of_a_part_that_slides_do_not_show_it(run, late):
     """Braked wheels slide on their tyres; `speed` and `odometry` cannot tell of it."""
     record = run(late, backend="sim", pipe="mitre_90_from_below", seed=10, **JITTER)
     truth = record.prepared.backend.truth
-    assert max(truth.arcs_m[:3]) < 1.15  # wheel 1 was at 1.19 m when the rear was relaxed
+    assert max(truth.arcs_m[:3]) < 1.18  # wheel 1 was at 1.24 m when the rear was relaxed
     assert record.ended.outcome == "failed"
 
 

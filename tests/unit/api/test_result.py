@@ -268,6 +268,6 @@ def test_a_run_says_how_hard_the_robot_presses_and_between_which_bounds(
 def test_nothing_is_said_of_normal_forces_in_a_bend() -> None:
     run = pirate_sm.run("take_bend", seed=1)
 
-    assert [bool(run.normal_forces(at_s)["wheel"]) for at_s in (6.0, 12.0, 22.0, 26.0)] == [
+    assert [bool(run.normal_forces(at_s)["wheel"]) for at_s in (6.0, 15.0, 30.0, 52.0)] == [
         *(True, False, False, True)
     ]

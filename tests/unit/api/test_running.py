@@ -35,8 +35,8 @@ def test_a_defect_is_a_fault_of_the_run_and_no_exception() -> None:
 
 def test_belief_is_tried_with_timed_defects_in_both_simulators_and_the_run_repeats() -> None:
     drawn = {"defect": "wheel_1_dead", "after": "1 s..3 s"}
-    # It takes 5 s: 3 s at most until the wheel dies, and 1.7 s until that is found.
-    options: dict[str, Any] = {"set": {"way": "400 mm"}, "defects": drawn}
+    # It takes 5 s at 0.15 m/s: 3 s at most until the wheel dies, and 1.7 s until that is found.
+    options: dict[str, Any] = {"set": {"way": "700 mm"}, "defects": drawn}
     runs = {
         (backend, seed): pirate_sm.run("drive_on", backend, seed=seed, **options)
         for backend in ("sim", "physics")
@@ -47,11 +47,11 @@ def test_belief_is_tried_with_timed_defects_in_both_simulators_and_the_run_repea
     assert {run.faults["code"][0] for run in runs.values()} == {"wheel.dead"}
     assert len(set(died.values())) > 1
     text = "wheel_1_dead:after=1s..3s"
-    again = pirate_sm.run("drive_on", seed=1, set={"way": "400 mm"}, defects=(text,))
+    again = pirate_sm.run("drive_on", seed=1, set={"way": "700 mm"}, defects=(text,))
     assert repr(again.signals) == repr(runs["sim", 1].signals)
     (shown,) = again.header.options["defects"]
     assert ".." not in shown, "what was drawn is recorded"
-    repeated = pirate_sm.run("drive_on", seed=1, set={"way": "400 mm"}, defects=shown)
+    repeated = pirate_sm.run("drive_on", seed=1, set={"way": "700 mm"}, defects=shown)
     assert repr(repeated.signals) == repr(again.signals)
 
 

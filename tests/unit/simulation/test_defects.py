@@ -59,7 +59,7 @@ def test_a_stiff_joint_needs_more_torque(place: Place) -> None:
     effect(robot, "stiff_joint", joint="gamma_2", friction=0.9)
     for each in (robot, whole):
         each.physics.duties[2] = 0.7
-        each.run(1.0)
+        each.run(2.0)
     assert whole.values("bend")[2] > 0.3
     assert abs(robot.values("bend")[2]) < 0.05
 

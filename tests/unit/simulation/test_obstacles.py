@@ -36,7 +36,7 @@ def test_an_obstacle_gives_way_after_it_has_been_pushed(
     obstacles = in_the_way(robot, [Obstacle(place_m, 0.0, 2.0)])
     robot.clamp(1, 2, 3, 4)
     robot.drive(duty)
-    run(robot, obstacles, 3.0)
+    run(robot, obstacles, 2.2)
     stopped = robot.middle
     run(robot, obstacles, 0.5)
     assert robot.middle == pytest.approx(stopped, abs=2e-3)
@@ -56,7 +56,7 @@ def test_an_obstacle_is_not_put_into_the_robot(place: Place) -> None:
 
 def test_an_obstacle_comes_at_its_time(place: Place) -> None:
     robot = place(straight(), at=1.0)
-    obstacles = in_the_way(robot, [Obstacle(1.15, from_s=1.0)])
+    obstacles = in_the_way(robot, [Obstacle(1.15, from_s=0.6)])
     robot.clamp(1, 2, 3, 4)
     robot.drive(1.0)
     run(robot, obstacles, 4.0)

@@ -133,10 +133,11 @@ def test_ways_one_after_the_other_are_longer_than_the_pipe(tmp_path: Path) -> No
 
 @pytest.mark.parametrize(("patience", "fits"), [("5 s", False), ("1 min", True)])
 def test_a_called_mission_has_time_for_its_way(tmp_path: Path, patience: str, fits: bool) -> None:
-    call = f"{{call: drive_on, with: {{way: 600 mm, give_up: {patience}}}}}"
+    call = f"{{call: drive_on, with: {{way: 900 mm, give_up: {patience}}}}}"
     do = f"[ClampFront, ClampRear, {call}, DriveBackward]"
 
-    found = shown(tmp_path, (do, "change(odometry) <= -50 mm"), pipe="straight_113")
+    pipe = "{diameter: 120 mm, segments: [{straight: 2 m}], start: {at: 500 mm}}"
+    found = shown(tmp_path, (do, "change(odometry) <= -50 mm"), pipe=pipe)
 
     assert any(each.startswith("condition.beyond: ") for each in found) is not fits
 

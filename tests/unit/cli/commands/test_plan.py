@@ -29,7 +29,7 @@ def test_the_commands_are_printed_with_what_they_change(pirate: Any) -> None:
         "1  ToggleLighting  –        LightingState On",
         "2  AlignLeft       –        RotationState AlignedLeft",
         "",
-        "2 commands, nominally 7.2 s",
+        "2 commands, nominally 12.2 s",
     ]
 
 

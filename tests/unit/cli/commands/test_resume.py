@@ -30,7 +30,7 @@ from tests.unit.running.recording.recording_runs import record_cut_off
 from ..terminals import on_a_terminal, once
 
 ROOT = Path(__file__).parents[4]
-CUT_S = 6.0
+CUT_S = 16.0
 
 
 @pytest.fixture(scope="module")
@@ -407,7 +407,7 @@ def test_belief_a_person_may_think_before_a_mission_goes_on(
     tmp_path: Path, operator: Callable[..., Operator]
 ) -> None:
     """It was `link.silent` after 14 s, and both clamps were not confirmed."""
-    cut = cut_on_a_link(tmp_path / "cut.mcap", "mitre_bend", 10.5)
+    cut = cut_on_a_link(tmp_path / "cut.mcap", "mitre_bend", 21.0)
     dialog = cut.dialog("sim")
     operator(dialog, "l", "g", thinks_s=20.0)
     chosen = dialog.decide()
@@ -420,7 +420,7 @@ def test_belief_a_person_may_think_before_a_mission_goes_on(
 @pytest.mark.parametrize(
     ("mission", "until_s", "detector", "why"),
     [
-        ("mitre_bend", 10.5, "odometry", "where the detector odometry counts from"),
+        ("mitre_bend", 21.0, "odometry", "where the detector odometry counts from"),
         ("drive_on", 2.5, "sim", "the position: the mission reads it"),
     ],
 )
@@ -458,7 +458,7 @@ def test_belief_an_unknown_place_is_not_passed_over_by_a_key(
 def test_a_robot_that_has_changed_while_somebody_thought_is_shown_again(
     tmp_path: Path, operator: Callable[..., Operator], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    cut = cut_on_a_link(tmp_path / "cut.mcap", "mitre_bend", 10.5)
+    cut = cut_on_a_link(tmp_path / "cut.mcap", "mitre_bend", 21.0)
     dialog = cut.dialog("sim")
 
     def pushed() -> str:
@@ -475,7 +475,7 @@ def test_belief_a_detector_counts_from_where_the_robot_has_rolled_in_the_dark(
     tmp_path: Path, operator: Callable[..., Operator]
 ) -> None:
     """It counted from where the recording ends, although the wheels show where the robot is."""
-    cut = cut_on_a_link(tmp_path / "cut.mcap", "mitre_bend", 10.5)
+    cut = cut_on_a_link(tmp_path / "cut.mcap", "mitre_bend", 21.0)
     dialog = cut.dialog("odometry")
     operator(dialog, "g")
     chosen = dialog.decide()

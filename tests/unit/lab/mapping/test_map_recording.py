@@ -116,7 +116,7 @@ def test_the_pipe_in_the_recording_makes_no_difference(recorded: Recording, foun
 
 
 def test_a_bend_that_was_not_passed_is_said_to_be_unsure(recorded: Recording) -> None:
-    halfway = [step for step in recorded.steps() if step.at_s - recorded.origin_s < 22.0]
+    halfway = [step for step in recorded.steps() if step.at_s - recorded.origin_s < 50.0]
     cut = SimpleNamespace(
         header=recorded.header, steps=lambda: iter(halfway), origin_s=recorded.origin_s, gaps=()
     )

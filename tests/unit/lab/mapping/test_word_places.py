@@ -28,7 +28,7 @@ def test_each_word_of_a_bend_is_told_once(reader: WordReader) -> None:
     words = ["", "close", "close", "in", "in", "past", "past"]
     told = heard(reader, *((word, 0.1 * step) for step, word in enumerate(words)))
     assert [(it.end, it.wheel, it.passed_m) for it in told] == [
-        (JointEnd.BEGINS, 0, -0.06),
+        (JointEnd.BEGINS, 0, -0.075),
         (JointEnd.INSIDE, 3, -0.04),
         (JointEnd.PASSED, 5, 0.06),
     ]

@@ -149,7 +149,7 @@ def test_no_wheel_turns_on_a_robot_that_its_worm_gears_hold_without_any_current(
         array = tuple(clamp.get(slot.name, 0.0) for slot in subject.profile.slots)
         for number, values in enumerate((array, (0.0,) * len(array)), 1):  # as a reset leaves it
             listening.exchange.submit(number, values, listening.port.now())
-            listening.turn(listening.port.now() + 4.0)
+            listening.turn(listening.port.now() + 12.0)
         arrays = len([each for each in bay_of(listening).records if each.event == "applied"])
         facts = _look_around(listening, subject, DoctorOptions(move=True, json=True))
         applied = [each for each in bay_of(listening).records if each.event == "applied"]

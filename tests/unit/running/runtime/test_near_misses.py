@@ -74,13 +74,13 @@ def run(tmp_path: Path) -> Run:
 
 def test_a_command_is_held_against_its_time(run: Run) -> None:
     motion = run.state.robot.motion
-    assert motion.timeout_s == 20.0
+    assert motion.timeout_s == 40.0
     run.goes(1.0, fx.CommandStatus("ClampFront", "accepted", "", "m.yaml:9:10"))
     run.goes(5.0, fx.CommandStatus("ClampFront", "done", "", "m.yaml:9:10"))
 
     call = run.call("ClampFront (m.yaml:9:10)")
-    assert (call.share, call.at_s) == (pytest.approx(0.2), 5.0)
-    assert call.text == "ClampFront (m.yaml:9:10) took 4.0 s of the 20 s that it has"
+    assert (call.share, call.at_s) == (pytest.approx(0.1), 5.0)
+    assert call.text == "ClampFront (m.yaml:9:10) took 4.0 s of the 40 s that it has"
 
 
 def test_a_command_that_fails_has_had_it(run: Run) -> None:
@@ -151,8 +151,8 @@ def test_a_rule_that_holds_for_a_part_of_its_time_is_told_with_it(run: Run) -> N
     run.goes(2.5, event=SensorFrame(board.id, ()), faults=run.state.faults._replace(since=since))
 
     call = run.call("robot.stuck")
-    assert (call.share, call.at_s) == (pytest.approx(0.5), 2.5)
-    assert call.text.startswith("robot.stuck held for 1.50 s of 3 s: ")
+    assert (call.share, call.at_s) == (pytest.approx(0.25), 2.5)
+    assert call.text.startswith("robot.stuck held for 1.50 s of 6 s: ")
 
 
 def test_a_fault_that_comes_up_has_come_about(run: Run) -> None:

@@ -126,7 +126,7 @@ def _beside_the_axis_m(robot: Driver) -> float:
 def test_a_robot_that_clamps_beside_the_axis_creeps_to_it_as_it_drives(place: Place) -> None:
     robot = place(round_pipe(), clamped=0.0, physics=SpaceWorld)
     robot.clamp(*ALL_JOINTS)
-    robot.run(10.0)
+    robot.run(20.0)
     clamped_m = _beside_the_axis_m(robot)
     assert clamped_m > 0.01
     robot.run(5.0)
@@ -142,7 +142,7 @@ def test_wheels_that_are_forced_over_a_narrow_step_stay_out_of_the_wall(place: P
     robot.clamp(*ALL_JOINTS, duty=0.7)
     robot.drive(1.0)
     robot.run(8.0)
-    assert max(robot.values("press")) > 100.0
+    assert max(robot.values("press")) > 80.0
     assert robot.physics.deepest_m < 2e-3
 
 

@@ -20,7 +20,7 @@ ALL_JOINTS = (1, 2, 3, 4)
 def test_clamping_presses_wheels_on_alternating_walls(place: Place) -> None:
     robot = place(straight(), clamped=0.0)
     robot.clamp(*ALL_JOINTS)
-    robot.run(6.0)
+    robot.run(16.0)
     sides = robot.sides()
     assert [side > 0 for side in sides] == [True, False] * 3
     assert [abs(side) for side in sides] == pytest.approx([DIAMETER_M / 2 - 0.024] * 6, abs=2e-3)
@@ -56,7 +56,7 @@ def test_the_driven_distance_is_that_of_the_wheels(place: Place, duty: float) ->
     robot.run(8.0)
     distance = robot.middle - start
     rolled = 0.024 * (np.array(robot.values("wheel")) - turned) * [1, -1, 1, -1, 1, -1]
-    assert distance == pytest.approx(0.1 * duty * 8.0, rel=0.03)
+    assert distance == pytest.approx(0.15 * duty * 8.0, rel=0.03)
     # Wheels creep apart by millimetres while the clamp settles, whatever the distance.
     assert rolled == pytest.approx([distance] * 6, abs=3e-3)
     assert rolled.mean() == pytest.approx(distance, rel=1e-3)
@@ -177,7 +177,7 @@ def test_a_joint_that_no_pipe_holds_back_folds_to_120_deg_and_no_farther(place: 
     # Far outside the pipe, where nothing holds a joint back.
     robot.physics.state.position[:, 0] -= 5.0
     robot.physics.duties[4] = 1.0
-    robot.run(6.0)
+    robot.run(8.0)
     assert math.degrees(robot.values("bend")[4]) == pytest.approx(120.0, abs=1.0)
 
 

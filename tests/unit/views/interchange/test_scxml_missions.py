@@ -97,7 +97,7 @@ def test_what_scxml_has_no_word_for_stands_beside_it() -> None:
     for text in (
         'event="trigger.prepare" target="phase.prepare" sm:when="detector == close"',
         'sm:held="200 ms"',
-        "<sm:step>ClampRear, ≤ 8 s, retry 2</sm:step>",
+        "<sm:step>ClampRear, ≤ 20 s, retry 2</sm:step>",
         '<transition event="fault.sensor.silent" sm:of="wheel_3, wheel_4" />',
         '<final id="end.passed" sm:succeed="In the far leg" />',
         'sm:time_limit="10 min"',

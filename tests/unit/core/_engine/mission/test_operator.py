@@ -220,7 +220,7 @@ def test_a_failure_of_the_operators_command_is_not_one_of_the_mission(drive):
     driver.accept()
     driver.signals["phi"] = 0.0
 
-    give_up = driver.now + 22
+    give_up = driver.now + 42
     while driver.now < give_up:
         driver.run(driver.now + 0.1)
         if driver.in_flight:

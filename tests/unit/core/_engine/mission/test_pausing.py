@@ -143,9 +143,9 @@ def test_a_command_under_way_is_suspended_and_its_timeout_too(drive):
     assert driver.state.wake_at_s > driver.now
 
     driver.give(ev.Resume())
-    driver.run(514.9)
+    driver.run(534.9)
     assert len(driver.statuses) == 2
-    driver.run(515.1)
+    driver.run(535.1)
     assert driver.statuses[-1] == ("ClampFront", "failed")
 
 
@@ -217,9 +217,9 @@ def test_wheels_that_a_pause_has_stopped_are_not_stuck(drive):
     driver.give(ev.Resume())
     driver.accept()
     resumed = driver.now
-    driver.run(resumed + 2.9)
+    driver.run(resumed + 5.9)
     assert driver.faults == []
-    driver.run(resumed + 3.3)
+    driver.run(resumed + 6.3)
     assert driver.faults == [("robot.stuck", "stop")], "now they are driven and do not turn"
 
 

@@ -45,7 +45,7 @@ def test_wheels_that_do_not_agree_leave_an_interval(drive):
     way = driving(drive).look(**rolled(0.52, theta_2=FORWARD[2] * 0.5 / RADIUS_M)).way
 
     assert not way.exact
-    assert way.low_m == -way.high_m == pytest.approx(-0.4 * 4.17 * RADIUS_M)
+    assert way.low_m == -way.high_m == pytest.approx(-0.4 * 6.3 * RADIUS_M)
 
 
 def test_belief_in_an_exact_place_takes_more_than_one_wheel(drive):
@@ -116,7 +116,7 @@ def test_more_than_the_motors_can_do_is_asked_about(drive):
     found = driving(drive).look(**rolled(0.6))
 
     assert found.questions == (
-        "wheels have rolled 100, 100, 100, 100, 100, 100 mm, but driven they can have 40 mm",
+        "wheels have rolled 100, 100, 100, 100, 100, 100 mm, but driven they can have 60 mm",
     )
 
 
@@ -281,7 +281,7 @@ class TestExactly:
         assert cut.look(**rolled(begun_m + most_m + 0.9 * agree_m)).way.exact
         moved = cut.look(**rolled(begun_m + most_m + 1.2 * agree_m)).way
         shown = ", ".join([f"{(most_m + 1.2 * agree_m) * 1000:.0f}"] * 6)
-        why = f"wheels have rolled {shown} mm, but driven they can have 40 mm"
+        why = f"wheels have rolled {shown} mm, but driven they can have 60 mm"
         assert moved == DarkWay(-inf, inf, False, why, why)
 
     def test_a_counter_that_may_have_begun_again_shows_nothing(self, drive):

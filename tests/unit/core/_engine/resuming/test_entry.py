@@ -93,7 +93,7 @@ class TestGoingOnInAWait:
         driver = begun(CutOff(waiting(drive)).go_on())
         driver.until(lambda seen: seen.of(fx.WaitArmed))
         driver.accept()
-        turning = {f"theta_{n}": (0.6 if n in (1, 3, 5) else -0.6) for n in range(1, 7)}
+        turning = {f"theta_{n}": (0.65 if n in (1, 3, 5) else -0.65) for n in range(1, 7)}
         driver.run(driver.now + 30.0, every=0.4, **turning)
         assert not driver.fired
 
@@ -161,7 +161,7 @@ class TestAClampThatIsNotSeen:
         driver = begun(CutOff(waiting(drive)).go_on(**LOOSE))
         while driver.in_flight:
             driver.accept()
-        driver.run(30.0)
+        driver.run(50.0)
 
         assert ("ClampFront", "failed") in driver.statuses
         assert "unclear" in driver.phases

@@ -36,7 +36,7 @@ def test_belief_in_a_clamp_does_not_ask_for_the_motor_of_the_profile(drive, torq
 @pytest.mark.parametrize(("pipe", "least"), [("mitre_90", 100), ("vertical", 187)])
 def test_belief_in_a_clamp_ends_where_it_cannot_hold_the_robot(drive, pipe, least):
     driver = clamping(drive, f"pipe: {pipe}\n{IDLE}", least / 1000 - 0.01)
-    driver.run(25.0)
+    driver.run(45.0)
     assert driver.last_status.status == "failed"
     assert f"bend_torque_1 should be at least {least} mNm" in driver.last_status.reason
 

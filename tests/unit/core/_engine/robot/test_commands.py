@@ -134,15 +134,15 @@ def test_a_command_does_not_time_out_either_while_its_loop_is_unanswered(drive):
     driver.report_all(0.1)
     command(driver, "BendInto")
     driver.accept()
-    while driver.now < 19.9:
+    while driver.now < 39.9:
         driver.report_all(driver.now + 0.1)
         if driver.in_flight:
             driver.accept()
     driver.signals["gamma_1"] = math.radians(-42.5)
-    driver.report_all(20.0)
+    driver.report_all(40.0)
     assert driver.in_flight
 
-    driver.report_all(20.3)
+    driver.report_all(40.3)
     assert driver.last_status.status == "accepted"
     driver.accept()
     assert driver.last_status.status == "failed"
@@ -211,7 +211,7 @@ ends: {bent: {succeed: Bent}}
     driver = drive(mission)
     driver.report_all(0.1)
     driver.accept()
-    while driver.now < 22 and not driver.ended:
+    while driver.now < 42 and not driver.ended:
         driver.report_all(driver.now + 0.1)
         if driver.in_flight:
             driver.accept()
@@ -364,11 +364,11 @@ def test_on_paper_a_command_takes_its_nominal_duration(drive):
     driver = drive(CLAMPING, nominal=True)
     driver.tick(1.0)
     driver.accept()
-    assert driver.wake_at == 3.5
+    assert driver.wake_at == 8.0
 
-    driver.tick(3.4)
+    driver.tick(7.9)
     assert driver.last_status.status == "accepted"
-    driver.tick(3.5)
+    driver.tick(8.0)
     assert driver.last_status.status == "done"
 
 

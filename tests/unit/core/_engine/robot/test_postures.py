@@ -114,11 +114,11 @@ def test_it_does_not_turn_while_the_posture_is_not_seen(drive, missing, reason):
     mission = f"on_fault: [{{fault: sensor.silent, then: continue}}]\n{IDLE}"
     driver = held_by_the_rear(drive, mission)
 
-    show(driver, 21.0, **LYING | missing)
+    show(driver, 41.0, **LYING | missing)
 
     assert driver.array["rotate"] == 0.0
     assert driver.last_status.status == "failed"
-    expected = f"not in the posture 'slack' within 20 s: {reason}"
+    expected = f"not in the posture 'slack' within 40 s: {reason}"
     assert driver.last_status.reason.startswith(expected)
     assert driver.nonzero == near({"bend_4": 0.7})
 
@@ -166,8 +166,8 @@ def test_half_the_angle_that_the_apex_had_before_is_not_the_posture(drive):
 
     assert driver.array["rotate"] == 0.0
     assert driver.array["bend_3"] == pytest.approx(-0.5)
-    show(driver, 21.0)
-    expected = "not in the posture 'slack' within 20 s: gamma_3 should be"
+    show(driver, 41.0)
+    expected = "not in the posture 'slack' within 40 s: gamma_3 should be"
     assert driver.last_status.reason.startswith(expected)
 
 
@@ -197,7 +197,7 @@ def test_an_unknown_angle_fails_the_command_before_anything_moves(drive):
 
 def test_a_posture_that_was_not_seen_leaves_the_clamp_unconfirmed(drive):
     driver = held_by_the_rear(drive)
-    show(driver, 21.0, bend_torque_4=0.0)
+    show(driver, 41.0, bend_torque_4=0.0)
 
     command(driver, "DriveForward")
     assert driver.last_status.reason == (

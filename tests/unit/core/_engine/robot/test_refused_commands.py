@@ -131,7 +131,7 @@ def test_an_unconfirmed_clamp_is_no_clamp(drive):
     driver.report_all(0.1)
     command(driver, "ClampFront")
     driver.accept()
-    driver.run(30.0)  # no torque ever comes
+    driver.run(50.0)  # no torque ever comes
     assert driver.statuses[-1] == ("ClampFront", "failed")
     assert driver.states["BendingState"] == "DoubleClamped"
 
@@ -150,7 +150,7 @@ def test_what_a_part_depends_on_stays_unconfirmed_with_it(drive):
     driver.report_all(0.1)
     command(driver, "ClampFront")
     driver.accept()
-    driver.run(30.0)
+    driver.run(50.0)
     command(driver, "ClampRear")
     driver.until_done("ClampRear")
 
@@ -166,7 +166,7 @@ def test_it_stays_unconfirmed_whatever_other_command_comes_between(drive):
     driver.report_all(0.1)
     command(driver, "ClampFront")
     driver.accept()
-    driver.run(30.0)
+    driver.run(50.0)
     command(driver, "ToggleLighting")
     driver.until_done("ToggleLighting")
 
@@ -199,7 +199,7 @@ def test_the_same_command_again_is_purposeful_after_a_failure(drive):
     driver.report_all(0.1)
     command(driver, "ClampFront")
     driver.accept()
-    driver.run(30.0)
+    driver.run(50.0)
     assert driver.unconfirmed == {"FrontWheelsState", "BendingState"}
 
     command(driver, "ClampFront")
@@ -223,7 +223,7 @@ def test_clamping_is_open_even_when_nothing_is_confirmed(drive):
     driver.report_all(0.1)
     command(driver, "ClampFront")
     driver.accept()
-    driver.run(30.0)
+    driver.run(50.0)
 
     command(driver, "ClampRear")
 

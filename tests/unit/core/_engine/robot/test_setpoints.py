@@ -99,7 +99,7 @@ def test_bending_into_goes_to_its_angles_then_pushes(drive, polarity, sign):
     assert ("BendInto", "done") not in driver.statuses
 
     both_there = bending(driver, {"gamma_1": goal, "gamma_2": goal})
-    assert both_there == near(hold | {"bend_2": sign * -0.3})
+    assert both_there == near(hold | {"bend_2": sign * -0.35})
     assert driver.last_status.status == "done", driver.last_status
     assert driver.last_status.reason == "every joint has come to its angle"
     assert driver.unconfirmed == set()
@@ -224,7 +224,7 @@ def test_an_angle_once_sent_is_kept_even_when_the_sensor_says_otherwise(drive):
     command(driver, "ClampFront")
     driver.accept()
     driver.show(0.2, phi=0.9)
-    driver.run(20.0)
+    driver.run(45.0)
 
     command(driver, "ClampFront")
 

@@ -355,21 +355,21 @@ def test_stuck_is_told_once_its_condition_has_held(drive):
     driver.run(1.0, **ROLLING)
     assert driver.statuses[-1] == ("DriveForward", "done")
 
-    driver.run(4.0)
+    driver.run(7.0)
     assert driver.faults == []
-    driver.run(5.0)
+    driver.run(8.0)
     assert driver.faults == [("robot.stuck", "continue")]
-    driver.run(9.0)
+    driver.run(15.0)
     assert driver.faults == [("robot.stuck", "continue")]
 
 
 def test_a_fault_is_told_again_after_it_was_over(drive):
     driver = driving(drive)
     driver.run(1.0, **ROLLING)
-    driver.run(5.0)
+    driver.run(8.0)
 
-    driver.run(6.0, **ROLLING)
-    driver.run(10.0)
+    driver.run(9.0, **ROLLING)
+    driver.run(16.0)
 
     assert driver.faults == [("robot.stuck", "continue")] * 2
 

@@ -16,7 +16,7 @@ phases:
   stuck: {wait: [{operator: on, go: done}], within: {time: 1 h, go: done}}
 ends: {done: {succeed: Done}}
 """
-RIM_M_S = 0.1
+RIM_M_S = 0.15
 """Speed of the rim of a wheel that is driven with full duty."""
 
 
@@ -42,7 +42,7 @@ def test_a_robot_that_drives_forward_is_stuck_where_all_its_rear_stands(
     driver.run(0.5, **rates)
     driver.accept()
 
-    driver.run(5.0, **rates)
+    driver.run(8.0, **rates)
 
     assert [code for code, _ in driver.faults].count("robot.stuck") == stuck
 
@@ -69,7 +69,7 @@ def test_a_part_is_wedged_whose_last_wheels_stall_while_the_others_turn(
     driver.accept()
     driver.signals |= {f"wheel_current_{number}": 0.3 for number in bearing}
 
-    driver.run(5.0, **rates)
+    driver.run(8.0, **rates)
 
     assert [code for code, _ in driver.faults].count("robot.stuck") == stuck
 

@@ -30,7 +30,7 @@ def test_a_sprung_joint_turns_within_its_stops_and_no_faster_than_its_motor() ->
     stop = next(j.end_stop for j in robot.profile.body.joints if j.name == "gamma_2")
 
     assert (limits.low, limits.high) == (close(-stop - radians(12)), close(stop + radians(12)))
-    assert (limits.rate, limits.slack) == (close(1.0), close(radians(6)))
+    assert (limits.rate, limits.slack) == (close(0.36), close(radians(6)))
     assert limits.joint
     assert limits.moved == close(radians(20))
     assert limits.least_duty == close(1.5 * 0.15)
@@ -67,7 +67,7 @@ def test_an_accelerometer_has_the_range_that_the_profile_says() -> None:
 def test_a_wheel_may_slide_and_has_no_range() -> None:
     limits = watch(load_robot(SIX_WHEELED), "theta_4")
 
-    assert (limits.rate, limits.slack, limits.moved) == (close(3 * 4.17), 1.0, 4.0)
+    assert (limits.rate, limits.slack, limits.moved) == (close(3 * 6.3), 1.0, 4.0)
     assert (limits.low, limits.high, limits.joint) == (-inf, inf, False)
 
 

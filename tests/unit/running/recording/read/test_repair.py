@@ -377,8 +377,8 @@ def test_a_gap_is_between_the_last_step_before_and_the_first_after(tmp_path: Pat
 def test_after_a_gap_is_shown_what_frames_tell_and_nothing_that_was_counted(
     tmp_path: Path,
 ) -> None:
-    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
-    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")
+    recording = record(tmp_path / "run.mcap", Order("take_elbow"))
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 1), tmp_path / "good.mcap")
     again = read_recording(tmp_path / "good.mcap")
     (gap,) = again.gaps
     with recorded_mission(recording.header) as loaded:
@@ -399,10 +399,10 @@ def test_after_a_gap_is_shown_what_frames_tell_and_nothing_that_was_counted(
     assert done.until_s == gap.from_s
 
 
-@pytest.mark.parametrize("hit", [0, 3, 5])
+@pytest.mark.parametrize("hit", [0, 3, 6])
 def test_after_a_gap_states_are_unproven_until_they_are_recorded(hit: int, tmp_path: Path) -> None:
     """They were those of before the gap, with clamps confirmed and a command under way."""
-    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
+    recording = record(tmp_path / "run.mcap", Order("take_elbow"))
     repair(spoilt_in(recording, tmp_path / "spoilt.mcap", hit), tmp_path / "good.mcap")
     again = read_recording(tmp_path / "good.mcap")
     change: StateChange | None = None
@@ -432,8 +432,8 @@ def test_after_a_gap_states_are_unproven_until_they_are_recorded(hit: int, tmp_p
 
 
 def test_the_console_draws_no_clamp_and_no_drive_of_before_a_gap(tmp_path: Path) -> None:
-    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
-    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")
+    recording = record(tmp_path / "run.mcap", Order("take_elbow"))
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 1), tmp_path / "good.mcap")
     again = read_recording(tmp_path / "good.mcap")
     snapshots = recorded_snapshots(again)
     before = snapshots.at(again.gaps[0].from_s)
@@ -445,8 +445,8 @@ def test_the_console_draws_no_clamp_and_no_drive_of_before_a_gap(tmp_path: Path)
 
 
 def test_the_console_counts_no_time_of_a_gap_for_the_phase_before_it(tmp_path: Path) -> None:
-    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
-    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")
+    recording = record(tmp_path / "run.mcap", Order("take_elbow"))
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 1), tmp_path / "good.mcap")
     again = read_recording(tmp_path / "good.mcap")
     (gap,) = again.gaps
     snapshots = recorded_snapshots(again)
@@ -467,8 +467,8 @@ def test_the_console_counts_no_time_of_a_gap_for_the_phase_before_it(tmp_path: P
 
 
 def test_a_run_with_a_gap_is_not_resumed_from_what_was_known_before_it(tmp_path: Path) -> None:
-    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
-    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")
+    recording = record(tmp_path / "run.mcap", Order("take_elbow"))
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 1), tmp_path / "good.mcap")
 
     with pytest.raises(RecordingError, match=r"was damaged from .* is unknown"):
         end_of_run(tmp_path / "good.mcap")

@@ -118,13 +118,13 @@ def test_forward_kinematics_equal_the_simulators_through_the_bend():
         values[[each.name for each in robot.slots].index(slot)] = duty
     backend.submit(1, tuple(values))
     now = 0.0
-    while now < 8.0:
+    while now < 14.0:
         for event in events:
             if isinstance(event, SensorFrame):
                 board = robot.boards[event.board]
                 for place, target, scale in board.channels:
                     angles[names[target]] = event.values[place] * scale
-        if now > 7.0:  # the joints stand still: boards report one after the other
+        if now > 13.0:  # the joints stand still: boards report one after the other
             real = np.array(backend.truth.wheels)
             front = link_poses(backend.truth.wheels)[0]
             seen = np.array(wheels(profile.body, angles, front))

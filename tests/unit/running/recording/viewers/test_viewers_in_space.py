@@ -100,7 +100,7 @@ def test_the_axles_of_the_first_wheels_are_rolled_as_the_front_is(
 def test_a_recording_is_shown_unrolled_by_the_console(
     run: Path, shown: dict[str, list[dict[str, Any]]]
 ) -> None:
-    snapshot = recorded_snapshots(read_recording(run)).at(10.0)
+    snapshot = recorded_snapshots(read_recording(run)).at(20.0)
     assert snapshot.truth is not None
     assert snapshot.truth.z_m in [
         tuple(each[f"wheel_{number}_z_m"] for number in range(1, 7)) for each in shown["/places"]
