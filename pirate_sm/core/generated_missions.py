@@ -376,14 +376,12 @@ def by_hand(robot: LoadedRobot, pipe: Pipe | None = None, pipe_name: str = "") -
     handlers = tuple(HandlerSpec(code, None, "") for code in codes)
     bores_m = pipe.bores_m(sum(spec.body.lengths_m)) if pipe is not None else ()
     program = Program(
-        mission=BY_HAND,
         instructions=(Enter(BY_HAND, 1), Wait(BY_HAND, (), inf, -1, "", "")),
         start=0,
         start_configuration=robot.table.initial,
         handlers=(handlers, handlers),
         phases=(BY_HAND,),
         phase_of=(BY_HAND, BY_HAND),
-        ends=(),
         time_limit_s=inf,
         rules=tuple(rule for rule in robot.rules if not rule.waived_by),
         diameter_m=bores_m[0] if bores_m else None,

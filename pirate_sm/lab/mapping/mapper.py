@@ -128,7 +128,7 @@ class Mapper:
             if anchor is not None and self._along(look, part, anchor):
                 continue
             if passage is not None:
-                if part == passage.last and not passage.placed:
+                if part == passage.anchor.part and not passage.placed:
                     self._correct(look, passage)
             elif anchor is not None and not look.driven:
                 self._reach_into(look, part, anchor)
@@ -213,7 +213,7 @@ class Mapper:
         place_m = anchor.along_m + copysign(dot(away, away) ** 0.5, dot(away, axis.ahead))
         leg = self._places.spots[anchor.part].leg
         self._places.spots[part] = Spot(leg, place_m, self._body.wheels_of(part))
-        if self._passage is not None and self._passage.last == part:
+        if self._passage is not None and self._passage.anchor.part == part:
             self._passage = None
         return True
 

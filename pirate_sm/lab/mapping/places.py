@@ -90,11 +90,6 @@ class BendPassage:
     placed: bool = False
     passed: bool = False
 
-    @property
-    def last(self) -> int:
-        """Return the part that comes last."""
-        return self.anchor.part
-
 
 # --- ways travelled ------------------------------------------------------------------------------
 # A driven wheel that slips turns farther than the robot moves. Parts along one leg move alike, but

@@ -60,6 +60,9 @@ class Firmware:
             there is no switch.
         now_s: When the set-up is done and the loop begins.
         log: Is called with each record.
+
+    Attributes:
+        turn: The turn whose board is read next.
     """
 
     def __init__(
@@ -83,7 +86,7 @@ class Firmware:
         self._node = NodeHandle(wire.publishers, wire.subscribers)
         self._reception = Reception()
         self._turns = robot.turns(wire.one_value)
-        self._turn = 0
+        self.turn = 0
         self._case = 0
         self._case_s = now_s
         self._poll_s = now_s if switches.poll_s is not None else math.inf
@@ -99,11 +102,6 @@ class Firmware:
     def configured(self) -> bool:
         """Whether the firmware publishes."""
         return self._node.configured
-
-    @property
-    def turn(self) -> int:
-        """The turn whose board is read next."""
-        return self._turn
 
     @property
     def due_s(self) -> float:
@@ -150,8 +148,8 @@ class Firmware:
 
     def _read(self, now_s: float) -> None:
         """Read the board whose turn it is."""
-        turn = self._turns[self._turn]
-        self._turn = (self._turn + 1) % len(self._turns)
+        turn = self._turns[self.turn]
+        self.turn = (self.turn + 1) % len(self._turns)
         counts = self._robot.read(now_s, turn) if self._switches.sensors_started else None
         self._state = (
             None if counts is None else self._wire.state(turn.board.board, turn.channel, counts)

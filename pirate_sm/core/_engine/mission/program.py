@@ -257,14 +257,12 @@ class Program:
             the instruction that sets it before it enters the phase; empty without controls.
     """
 
-    mission: str
     instructions: tuple[Instruction, ...]
     start: int
     start_configuration: int
     handlers: tuple[tuple[HandlerSpec, ...], ...]
     phases: tuple[str, ...]
     phase_of: tuple[str, ...]
-    ends: tuple[str, ...]
     time_limit_s: float
     rules: tuple[RuleSpec, ...] = ()
     diameter_m: float | None = None

@@ -51,14 +51,12 @@ def build_program(
     problems.raise_errors(tolerated)
     instructions, handlers, phase_of, turn_of = writer.assembly.finished()
     program = Program(
-        mission.mission,
         instructions,
         start.index,
         at_start,
         handlers,
         tuple(writer.names),
         phase_of,
-        tuple(mission.ends),
         inf if limit is None else limit,
         rules_for(mission, robot.rules),
         turn_of=turn_of,

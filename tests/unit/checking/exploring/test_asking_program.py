@@ -18,7 +18,7 @@ def every(*texts: str) -> list[tuple[bool, ...]]:
     """The answers to these conditions, asked one after the other in one step."""
     oracle = Oracle(conditions())
     branches = [Branch(compile_condition(text, VOCABULARY), 0, 0, "") for text in texts]
-    program = Program("m", tuple(branches), 0, 0, ((),) * len(texts), (), ("",) * len(texts), (), 9)
+    program = Program(tuple(branches), 0, 0, ((),) * len(texts), (), ("",) * len(texts), 9)
     asked = [each for each in oracle.program(program).instructions if isinstance(each, Branch)]
 
     def step() -> tuple[bool, ...]:
