@@ -80,14 +80,14 @@ class MarkerFinder:
         return UndistortedView(self.view.lens, self.size)
 
     def _everywhere(self, frame: Frame) -> Floats:
-        """Return the places that fit in every second pixel; the best one from all pixels."""
+        """Return the best place that fits in every second pixel and in all of them, from these."""
         small = cv2.resize(frame, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_NEAREST)
         spots = 2 * _components(self._mask(small))
-        places = self._fitting(spots, self.view.lens.rays, None)
-        if len(places):
-            x, y = places[0]
-            places[:1] = self._around(frame, (float(x), float(y)))[:1]
-        return places
+        for x, y in self._fitting(spots, self.view.lens.rays, None):
+            found = self._around(frame, (float(x), float(y)))[:1]
+            if len(found):
+                return found
+        return np.empty((0, 2))
 
     def _around(self, frame: Frame, near: tuple[float, float]) -> Floats:
         """Return the places that fit in a window around a place."""

@@ -157,6 +157,17 @@ def test_the_place_of_a_camera_is_found_from_its_points() -> None:
     assert eye_of(by_points).view.pose.at == pytest.approx(eye.view.pose.at, abs=1e-6)
 
 
+def test_a_marker_at_the_edge_of_the_sizes_that_fit_is_seen_or_none() -> None:
+    """One that fits in every second pixel, and not in all of them, ended the run with an error."""
+    eye, _ = drawn(GREEN)
+    seen = []
+    for size_mm in (9.2, 9.3, 9.4, 9.5, 9.6, 9.7):
+        _, pictures = drawn(marker(size=size_mm / 1000))
+        seen.append(len(eye.see(pictures.picture(scene(), 0), 0.0).marks))
+
+    assert set(seen) == {0, 1}
+
+
 @pytest.mark.parametrize("robot", [None, GREEN, marker(finder="blob"), marker(finder="hough")])
 @pytest.mark.parametrize("kind", ["noise", "black", "white", "stripes"])
 def test_any_picture_is_searched_without_an_error(robot: dict[str, Any] | None, kind: str) -> None:
