@@ -8,16 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pirate_sm.core.events import SensorFrame
 from pirate_sm.core.models import Motor, Profile, Slot
 from pirate_sm.core.models import signals as kinds
-from pirate_sm.core.sensing import with_traction
 from pirate_sm.lab.fitting.measurements import (
     DRAWS,
     Columns,
@@ -28,9 +25,7 @@ from pirate_sm.lab.fitting.measurements import (
     estimate_of,
     has,
 )
-from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.recording.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay import rerun
+from pirate_sm.lab.fitting.traction_again import signals_with
 from pirate_sm.running.recording.tables import TIME
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.electronics import scale_of
@@ -152,59 +147,6 @@ def _duties(setpoints: Columns, slot: str, times: Floats) -> Floats:
     return duties
 
 
-# --- friction by other motors --------------------------------------------------------------------
-# The sign of a wheel's torque, and with it the normal forces, follow from the speed without load.
-# A profile that assumes it a fifth too small makes friction a fifth too small.
-
-
-def signals_with(path: Path, motors: Mapping[str, Motor]) -> Columns | None:
-    """Return the signals of a recording once in a round, with those of traction recomputed.
-
-    What the mission did stays as it was recorded.
-
-    Args:
-        path: The recording.
-        motors: The robot's motors by their kind.
-
-    Returns:
-        The signals, or None if the robot derives none of traction.
-
-    Raises:
-        RecordingError: The recording cannot be read.
-    """
-    recording = read_recording(path)
-    rows: list[tuple[float, ...]] = []
-    with recorded_mission(recording.header) as loaded:
-        spec = loaded.robot.traction
-        if spec is None:
-            return None
-        robot, origin_s = loaded.robot, recording.origin_s
-        slots = enumerate(loaded.loaded_robot.profile.slots)
-        known = {n: motors[slot.motor] for n, slot in slots if slot.motor in motors}
-        motors_spec = spec.with_motors(
-            {n: (motor.stall_torque, motor.no_load_speed) for n, motor in known.items()}
-        )
-        slipping, after_gaps = None, {gap.step for gap in recording.gaps}
-        for each in rerun(recording, loaded):
-            state, event = each.state, each.step.event
-            if each.step.number in after_gaps:
-                slipping = None  # what the wheels did in it is unknown
-            if state is None or not isinstance(event, SensorFrame):
-                continue
-            if robot.boards[event.board].position != motors_spec.board:
-                continue
-            sensing, body = state.sensing, state.robot
-            if slipping is not None:
-                sensing = sensing._replace(traction=sensing.traction._replace(slipping=slipping))
-            at, around, now_s = body.configuration, state.surveyed.reported, each.at_s + origin_s
-            anew = with_traction(robot, motors_spec, sensing, body.values, at, around, now_s)
-            slipping = anew.traction.slipping
-            rows.append((each.at_s, *anew.numbers[: len(robot.vocabulary.numbers)]))
-    names = (TIME, *robot.vocabulary.numbers)
-    values = np.array(rows, dtype=np.float64).reshape(len(rows), len(names))
-    return dict(zip(names, values.T, strict=True))
-
-
 # --- numbers -------------------------------------------------------------------------------------
 
 
@@ -220,12 +162,24 @@ _STATICS = 0.05
 """Error of normal forces by the statics of the chain, and so of friction (docs/measurements.md);
 one error of all parts, which have the same statics."""
 
+_QUIET = 2.0
+"""So many standard deviations a torque of rolling may be noise alone: nearly all of it is less."""
+
+_ROLLS = 0.5
+"""A wheel that turns at less than this share of its speed without load does more than roll
+[assumed]."""
+
+_PRESSED = 0.3
+"""Error of the sum of normal forces by the statics of a chain that has driven: twice the 15 % that
+simulators may differ by [assumed]. Of one that stands it is a factor (docs/decisions/0123)."""
+
 _TURNED_RAD_S, _TURNED_SHARE = 0.3, 0.75
 """A wheel at duty 0 that turns faster is turned against its gears. It may have stood still for a
 part of an interval and borne less then: so the upper quartile counts. Noise raises that, so the
 interval reaches down to the median."""
 
-_FRICTION = "kinetic friction"
+_FRICTION, ROLLING = "kinetic friction", "rolling resistance"
+_ONE_WAY = "it did not roll steadily on all wheels, both ways"
 _STILL, _STEADY = "it hardly moved", "its load hardly varied"
 
 _STANDS_RAD_S, _ALL_BUT = 0.02, 0.05
@@ -264,13 +218,21 @@ class RobotNumber:
 def robot_numbers(measured: Sequence[MeasuredFile]) -> list[RobotNumber]:
     """Return what the recordings say of the motors and of friction, with what they cannot say."""
     profile = next(each.profile for each in measured if each.profile is not None)
-    found: list[RobotNumber] = []
+    found, quiet_nm = list[RobotNumber](), 0.0
     for name, motor in profile.motors.items():
         if motor.kind in ("geared", "sprung_worm"):
-            parts = [intervals_of(each, profile, name, motor) for each in measured]
-            found += _motor_numbers(name, motor, [one for part in parts for one in part])
+            parts = [one for each in measured for one in intervals_of(each, profile, name, motor)]
+            found += _motor_numbers(name, motor, parts)
+            if motor.kind == "geared":
+                quiet_nm = _QUIET * max((each.noise_nm for each in parts), default=0.0)
     shown = [_with_motors(each, profile, found) for each in measured]
-    return [*found, *_frictions(shown, profile)]
+    speeds = {name: motor.no_load_speed or np.nan for name, motor in profile.motors.items()}
+    for each in found:
+        if each.key == "no_load_speed" and each.estimate.known:
+            speeds[each.motor] = each.estimate.high
+    rolling = [_resisted(each, profile, speeds, quiet_nm) for each in shown]
+    resistance = rolling_resistance(np.concatenate(rolling))
+    return [*found, *_frictions(shown, profile), RobotNumber("", ROLLING, "", resistance)]
 
 
 def _with_motors(
@@ -458,3 +420,64 @@ def _weighted_median(rows: Floats) -> float:
     order = np.argsort(rows[:, 0])
     weight = np.cumsum(rows[order, 1])
     return float(rows[order[np.searchsorted(weight, weight[-1] / 2)], 0])
+
+
+# --- rolling resistance --------------------------------------------------------------------------
+
+
+def _resisted(
+    measured: MeasuredFile, profile: Profile, speeds: Mapping[str, float], quiet_nm: float
+) -> Floats:
+    """Return rows of what resists rolling while all wheels drive, over their normal forces.
+
+    At a constant speed the forces along the pipe add up to zero: the motors bear what resists, and
+    the weight, whose sign is another one on the way back. A current has no sign; the torque helps
+    where a wheel surely turns faster than without load. In a row: with the torques as read,
+    without those that may be noise, and which way it drives.
+    """
+    columns, rows = measured.columns, []
+    rates = {each.rate_of: name for name, each in profile.derived.items()
+             if isinstance(each, kinds.RateOf)}  # fmt: skip
+    names = [wheel.name for wheel in profile.body.wheels]
+    for slot in (each for each in profile.slots if each.wheel is not None):
+        found = load_signals(profile, slot)
+        normal = SlipSignalNames().normal.format(names.index(slot.wheel or "") + 1)
+        if found is None or found[0] not in rates or slot.name not in measured.setpoints:
+            return np.empty((0, 3))
+        if not has(columns, [normal]):
+            return np.empty((0, 3))
+        duty = _duties(measured.setpoints, slot.name, columns[TIME])
+        duty = np.where(duty == 0, np.nan, duty)
+        share = np.abs(column(columns, rates[found[0]])) / speeds[slot.motor] / np.abs(duty)
+        torque = np.abs(column(columns, found[1])) * abs(found[2]) * np.where(share < 1, 1, -1)
+        torque = np.where(share > _ROLLS, torque, np.nan)
+        quiet = np.where(np.abs(torque) > quiet_nm, torque, 0 * torque)
+        rows.append((torque, quiet, np.abs(column(columns, normal))))
+    if not rows:
+        return np.empty((0, 3))
+    torque, quiet, normal = np.sum(rows, axis=0)
+    pressed = normal * profile.body.wheel_radius
+    resisted: Floats = np.column_stack([torque / pressed, quiet / pressed, np.sign(duty)])
+    return resisted[np.isfinite(resisted).all(axis=1)]
+
+
+def rolling_resistance(rows: Floats) -> Estimate:
+    """Return the mean of both ways; unknown where it is no more than the noise of currents."""
+    if len(np.unique(rows[:, 2])) < 2:
+        return Estimate(reason=_ONE_WAY)
+    read, quiet = (_estimate(rows[:, [place, 2]], _both_ways, _ONE_WAY) for place in (0, 1))
+    if not read.known:
+        return read
+    if not quiet.value > read.value / 2:
+        return Estimate(reason=f"at most {read.high:.3f}, within the noise of currents")
+    found = _spanned(read, quiet, 4)
+    off = np.random.default_rng(5).uniform(1 - _PRESSED, 1 + _PRESSED, len(found.draws))
+    low, high = found.low * (1 - _PRESSED), found.high * (1 + _PRESSED)
+    return replace(found, low=low, high=high, draws=found.draws * off)
+
+
+def _both_ways(rows: Floats) -> float:
+    forward = rows[:, 1] > 0
+    if forward.all() or not forward.any():
+        return np.nan
+    return float(np.median(rows[forward, 0]) + np.median(rows[~forward, 0])) / 2

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pirate_sm.core.models import Profile
-from pirate_sm.lab.fitting.measurements import DRAWS
-from pirate_sm.lab.fitting.robot_numbers import RobotNumber
+from pirate_sm.lab.fitting.measurements import DRAWS, Estimate
+from pirate_sm.lab.fitting.robot_numbers import ROLLING, RobotNumber
 from pirate_sm.simulation.arrays import Floats
 
 # --- a sample of robots --------------------------------------------------------------------------
@@ -25,6 +25,10 @@ four joints of the thesis bore 0.159 to 1.92 Nm where 1.01 were expected]."""
 
 _MOST_FRICTION = 5.0
 """A file takes no more."""
+
+
+_ROLLING, _MOST_ROLLING = "tyre rolling_resistance", 0.2
+"""Its column in a sample, and what a file takes at most."""
 
 
 class LikelyRobots(NamedTuple):
@@ -69,6 +73,8 @@ def sample_of(profile: Profile, numbers: Sequence[RobotNumber], robots: int) -> 
         static = kinetic * (1 + (_static_share(profile) - 1) * 2 * surplus)
         columns["friction kinetic"] = kinetic
         columns["friction static"] = np.minimum(static, _MOST_FRICTION)
+    if rolling := _rolling(numbers):
+        columns[_ROLLING] = np.minimum(rolling.likely, _MOST_ROLLING)
     if not columns:
         return None
     rows = np.column_stack(list(columns.values()))
@@ -76,6 +82,12 @@ def sample_of(profile: Profile, numbers: Sequence[RobotNumber], robots: int) -> 
     if not len(rows):
         return None
     return LikelyRobots(tuple(columns), tuple(assumed), tuple(map(tuple, rows.tolist())))
+
+
+def _rolling(numbers: Iterable[RobotNumber]) -> Estimate | None:
+    """Return the rolling resistance, if it is known."""
+    found = (each.estimate for each in numbers if each.key == ROLLING and each.estimate.known)
+    return next(found, None)
 
 
 def _static_share(profile: Profile) -> float:
@@ -135,6 +147,9 @@ def twin_text(
         static = min(mean * _static_share(profile), _MOST_FRICTION)
         lines.append("# The simulator has one friction: the mean, static in the profile's ratio.")
         lines.append(f"friction: {{static: {static:.3f}, kinetic: {mean:.3f}}}")
+    if rolling := _rolling(numbers):
+        most = min(rolling.value, _MOST_ROLLING)
+        lines.append(f"tyre: {{rolling_resistance: {most:.4f}}}")
     sample = sample_of(profile, numbers, robots)
     return "\n".join([*lines, *(() if sample is None else _sample_lines(sample)), ""])
 

@@ -157,7 +157,7 @@ class RobotSample(Frozen):
 
     Attributes:
         numbers: What the columns are: a kind of motor and its number, ``wheel stall_torque``, or
-            ``friction static`` and ``friction kinetic``.
+            ``friction static``, ``friction kinetic`` and ``tyre rolling_resistance``.
         assumed: Those that the recording does not show: drawn around what the profile assumes.
         robots: A row for each robot, in SI units.
     """
@@ -168,10 +168,10 @@ class RobotSample(Frozen):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        known = {*MotorNumbers.model_fields}
+        others = {"friction": {"static", "kinetic"}, "tyre": {"rolling_resistance"}}
         for name in self.numbers:
-            motor, _, key = name.partition(" ")
-            if key not in ({"static", "kinetic"} if motor == "friction" else known):
+            owner, _, key = name.partition(" ")
+            if key not in others.get(owner, MotorNumbers.model_fields):
                 raise ValueError(f"'{name}' is not a number of a robot, such as wheel stall_torque")
         if len({*self.numbers}) < len(self.numbers):
             raise ValueError("`numbers` names one twice")
@@ -223,13 +223,14 @@ class Twin(Frozen):
         """Return a robot of the sample as a twin; after the last one comes the first again."""
         assert self.sample is not None
         given = self.model_dump(exclude_none=True, exclude={"sample", "noise", "tyre"})
+        if self.tyre is not None:
+            given["tyre"] = self.tyre.model_dump(exclude_unset=True)
         row = self.sample.robots[number % len(self.sample.robots)]
         for name, value in zip(self.sample.numbers, row, strict=True):
             owner, _, key = name.partition(" ")
-            group = given if owner == "friction" else given["motors"]
+            group = given if owner in {"friction", "tyre"} else given["motors"]
             group.setdefault(owner, {})[key] = value
-        drawn = type(self).model_validate(given)
-        return drawn.model_copy(update={"noise": self.noise, "tyre": self.tyre})
+        return type(self).model_validate(given).model_copy(update={"noise": self.noise})
 
 
 class LineFaults(Frozen):

@@ -7,7 +7,7 @@ from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import load_robot
 from pirate_sm.lab.fitting.measurements import column, has, read_measured
-from pirate_sm.lab.fitting.robot_numbers import signals_with
+from pirate_sm.lab.fitting.traction_again import signals_with
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.read.repair import repair
 from pirate_sm.running.wiring import Order

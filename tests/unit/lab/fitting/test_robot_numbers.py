@@ -12,6 +12,7 @@ from pirate_sm.lab.fitting.robot_numbers import (
     clamp_threshold,
     driven,
     robot_numbers,
+    rolling_resistance,
     wheel_numbers,
 )
 from pirate_sm.lab.fitting.twin_file import twin_text
@@ -29,6 +30,27 @@ robot: pirate_ii
 motors:
   wheel: {no_load_speed: 3.4 rad/s, stall_torque: 260 mNm, hold_torque: 90 mNm}
   bend: {no_load_speed: 0.8 rad/s, stall_torque: 0.9 Nm}
+"""
+
+BACK_AND_FORTH = """
+format: 1
+mission: drive
+robot: pirate_ii
+pipe: {diameter: 113 mm, segments: [{straight: 8 m}], start: {at: 4 m}}
+start: move
+phases:
+  move:
+    do:
+      - ClampFront
+      - ClampRear
+      - DriveForward
+      - wait: [{after: 4 s}]
+      - Brake
+      - DriveBackward
+      - wait: [{after: 4 s}]
+      - Brake
+    go: done
+ends: {done: {succeed: There and back}}
 """
 
 
@@ -329,3 +351,40 @@ def test_the_clamp_threshold_is_what_standing_joints_nearly_always_bear() -> Non
     none = Intervals(duty, rate + 0.5, standing.load, standing.change)
     assert "no joint stood" in clamp_threshold(none, Estimate(2.0, 1.9, 2.1)).reason
     assert "unknown" in clamp_threshold(standing, Estimate()).reason
+
+
+def test_rolling_resistance_is_the_mean_of_both_ways_and_no_noise_of_currents() -> None:
+    way = np.repeat([1.0, -1.0], 50)
+    torques = np.tile([0.029, 0.031], 50) + 0.01 * way  # it leans, and gravity helps one way
+
+    found = rolling_resistance(np.column_stack([torques, torques, way]))
+
+    assert found.value == pytest.approx(0.030, abs=0.001)
+    assert (found.low, found.high) == pytest.approx((0.021, 0.039), rel=0.05)
+    noise = rolling_resistance(np.column_stack([torques, 0 * torques, way]))
+    assert not noise.known
+    assert "at most 0.03" in noise.reason
+    assert "both ways" in rolling_resistance(np.column_stack([torques, torques, way])[:50]).reason
+    assert "both ways" in rolling_resistance(np.empty((0, 3))).reason
+
+
+@pytest.mark.thorough
+def test_a_robot_that_drives_both_ways_shows_its_rolling_resistance(tmp_path: Path) -> None:
+    twin, mission = tmp_path / "true.yaml", tmp_path / "drive.yaml"
+    twin.write_text("format: 1\nrobot: pirate_ii\ntyre: {rolling_resistance: 0.03}\n")
+    mission.write_text(BACK_AND_FORTH)
+    run = tmp_path / "run.mcap"
+    pirate_sm.run(str(mission), twin=str(twin), record=run)
+    measured = read_measured(run)
+    assert measured.profile is not None
+
+    numbers = robot_numbers([measured])
+
+    found = next(each.estimate for each in numbers if each.key == "rolling resistance")
+    assert found.low < 0.03 < found.high
+    file = tmp_path / "twin.yaml"
+    file.write_text(twin_text(measured.profile, numbers, run.name))
+    drawn = load_twin(file, measured.profile, 3)
+    assert drawn.tyre is not None
+    assert 0.015 < drawn.tyre.rolling_resistance < 0.045
+    assert "spin_radius" not in drawn.tyre.model_dump(exclude_unset=True)
