@@ -158,6 +158,7 @@ align: $(VENV)/.ready-sim
 
 twin: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.twin
+	$(BIN)/python -m benchmarks.twin --predict --first 200 --seeds 3 --times 4 --robots 19
 
 learning: $(VENV)/.ready-learning
 	$(BIN)/python -m benchmarks.learning

@@ -1,6 +1,7 @@
 """Does `pirate fit --robot` find the numbers of a robot that it does not know?
 
-    python -m benchmarks.twin [--seeds 6] [--times 26] [--workers 2] [--predict [--robots 32]]
+    python -m benchmarks.twin [--seeds 6] [--times 26] [--workers 2]
+    python -m benchmarks.twin --predict [--first 200] [--seeds 3] [--times 4] [--robots 19]
 
 Each seed draws the motors and the friction of a simulated robot, which its profile assumes
 otherwise. The robot records ten minutes (`benchmarks/twin.yaml`), with a ruler that measures its
@@ -78,17 +79,19 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--times", type=int, default=TIMES, help="rounds of at least 24 s")
     parser.add_argument("--workers", type=int, help="processes; all processors by default")
+    parser.add_argument("--first", type=int, default=0, help="the first seed")
     parser.add_argument("--predict", action="store_true", help="check bands of the second half")
     parser.add_argument("--robots", type=int, default=32, help="of the sample, with --predict")
     wishes = parser.parse_args()
+    seeds = range(wishes.first, wishes.first + wishes.seeds)
     if wishes.predict:
-        return _check_bands(wishes.seeds, wishes.times, wishes.robots, wishes.workers)
+        return _check_bands(seeds, wishes.times, wishes.robots, wishes.workers)
     with (
         TemporaryDirectory() as folder,
         ProcessPoolExecutor(wishes.workers, mp_context=get_context("spawn")) as pool,
     ):
         trials = []
-        for trial in pool.map(partial(try_out, Path(folder), wishes.times), range(wishes.seeds)):
+        for trial in pool.map(partial(try_out, Path(folder), wishes.times), seeds):
             _show(trial)
             trials.append(trial)
     return _sum_up(trials)
@@ -123,13 +126,13 @@ def _recorded(folder: Path, times: int, seed: int) -> tuple[Run, Path]:
     return run, recording
 
 
-def _check_bands(seeds: int, times: int, robots: int, workers: int | None) -> int:
+def _check_bands(seeds: range, times: int, robots: int, workers: int | None) -> int:
     """Print how many values bands hold; return 1 unless it is the share that they are to hold."""
     from pirate_sm.lab.fitting.prediction import SHARE, coverage, predict
 
     total = Counter[str]()
     with TemporaryDirectory() as folder:
-        for seed in range(seeds):
+        for seed in seeds:
             _, recording = _recorded(Path(folder), times, seed)
             found = coverage(predict(recording, robots, workers, lambda share: None).predicted)
             for kind, (held, of) in found.items():
