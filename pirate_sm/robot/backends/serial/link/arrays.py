@@ -376,7 +376,7 @@ class SetpointLink:
             return
         # The device has the array again, and later copies are refreshes of it. Where these follow
         # each other faster than a round trip, the echo of none would be that of the last. One that
-        # comes damaged is mended by the next refresh.
+        # comes damaged is fixed by the next refresh.
         self._unanswered |= {each: Unanswered(self._recent[each][1]) for each in later}
         self._flight = None
 
