@@ -213,7 +213,7 @@ FAST = """
 format: 1
 robot: pirate_ii
 motors:
-  wheel: {no_load_speed: 5 rad/s, stall_torque: 340 mNm, hold_torque: 50 mNm}
+  wheel: {no_load_speed: 8.5 rad/s, stall_torque: 340 mNm, hold_torque: 50 mNm}
   bend: {no_load_speed: 0.8 rad/s, stall_torque: 1.2 Nm}
 friction: {static: 0.3, kinetic: 0.23}
 """
@@ -242,7 +242,7 @@ ends: {done: {succeed: Slipped}}
 
 @pytest.mark.thorough
 def test_friction_is_found_by_the_motors_that_are_found(tmp_path: Path) -> None:
-    """A profile whose wheels are a fifth too slow makes the engine's own estimate too small."""
+    """A profile whose wheels are a quarter too slow makes the engine's own estimate too small."""
     twin, mission, recording = (tmp_path / name for name in ("t.yaml", "m.yaml", "r.mcap"))
     twin.write_text(FAST)
     mission.write_text(SLIPS)
