@@ -22,6 +22,7 @@ from pirate_sm.cli.output.files import (
 )
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.library import missions
 from pirate_sm.core.models import Profile
 from pirate_sm.core.visible import visible
 from pirate_sm.lab.fitting.measurements import (
@@ -298,10 +299,10 @@ def _advise(options: FitOptions) -> int:
     from pirate_sm.lab.fitting import advice
 
     measured = _measured(options.runs)
-    missions = advice.missions_for(_one_robot([each.profile for each in measured]).robot)
+    _one_robot([each.profile for each in measured])
     robots = advice.ROBOTS if options.robots is None else options.robots
     with progress("simulating") as watch:
-        found, left_out = advice.advise(measured, missions, robots, options.workers, watch)
+        found, left_out = advice.advise(measured, missions(), robots, options.workers, watch)
     if options.csv:
         rows = [(one.mission, number, *gain, one.takes_s, one.succeeded, one.robots)
                 for one in found

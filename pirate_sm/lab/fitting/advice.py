@@ -22,9 +22,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.core import library
-from pirate_sm.core.documents import read_document
 from pirate_sm.core.errors import PirateError, UsageError
+from pirate_sm.core.loading import load_mission
 from pirate_sm.core.models import Profile
 from pirate_sm.lab.fitting.measurements import DRAWS, Estimate, MeasuredFile
 from pirate_sm.lab.fitting.prediction import in_processes, simulated
@@ -32,6 +31,7 @@ from pirate_sm.lab.fitting.robot_numbers import RobotNumber, robot_numbers
 from pirate_sm.lab.fitting.twin_file import sample_of, twin_text
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.recording.recorded_mission import recorded_fit, write_robot
 from pirate_sm.running.recording.tables import TIME
 from pirate_sm.simulation.arrays import Floats
 
@@ -87,18 +87,6 @@ class _Told(NamedTuple):
     succeeded: bool
 
 
-def missions_for(robot: str) -> list[Path]:
-    """Return the files of the shipped missions that are written for a robot.
-
-    Raises:
-        UsageError: There is none.
-    """
-    found = [each for each in library.missions() if read_document(each).data["robot"] == robot]
-    if not found:
-        raise UsageError(f"no shipped mission is for the robot {robot}, so none can be advised")
-    return found
-
-
 def advise(
     measured: Sequence[MeasuredFile],
     missions: Sequence[Path],
@@ -110,7 +98,7 @@ def advise(
 
     Args:
         measured: Recordings of the robot, all of them.
-        missions: Files of missions that it could run.
+        missions: Files of missions, each to be loaded with the recorded robot.
         robots: How many robots of the sample run each, two at least.
         workers: How many processes simulate; None for one each processor.
         watch: Takes the share that is done.
@@ -127,9 +115,9 @@ def advise(
     with TemporaryDirectory(prefix="advised-") as folder:
         twin = Path(folder) / "twin.yaml"
         twin.write_text(twin_text(profile, numbers, recording.name, robots), "utf-8")
-        job = partial(
-            _told, profile, read_recording(recording).header, numbers, twin, missions, robots
-        )
+        header = read_recording(recording).header
+        robot = write_robot(header, Path(folder))
+        job = partial(_told, profile, header, robot, numbers, twin, missions, robots)
         runs = list(in_processes(job, range(len(missions) * robots), workers, watch))
     found, left_out = list[MissionAdvice](), dict[str, str]()
     for number, mission in enumerate(missions):
@@ -164,6 +152,7 @@ def _expected(values: Sequence[float]) -> MeanGain:
 def _told(
     profile: Profile,
     header: RunHeader,
+    robot: Path,
     numbers: Sequence[RobotNumber],
     twin: Path,
     missions: Sequence[Path],
@@ -171,12 +160,13 @@ def _told(
     number: int,
 ) -> _Told | str:
     """Return what a mission tells of one robot, or why it cannot be run."""
-    mission, robot = divmod(number, robots)
+    mission, of_sample = divmod(number, robots)
     try:
-        with simulated(missions[mission], header, twin, robot) as (run, new):
+        loaded = load_mission(missions[mission], robot=str(robot), fitted=recorded_fit(header))
+        with simulated(loaded, header, twin, of_sample) as (run, new):
             told = gained(profile, numbers, robot_numbers([new]))
     except PirateError as error:
-        return str(error)
+        return str(error).splitlines()[0]
     return _Told(*told, float(new.columns[TIME][-1]), run.outcome == "succeeded")
 
 

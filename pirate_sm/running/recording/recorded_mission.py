@@ -85,7 +85,7 @@ def recorded_robot_files(header: RunHeader) -> LoadedRobot:
         RecordingError: This version cannot load the texts any more, or they cannot be written.
     """
     with _failing("robot", header), TemporaryDirectory(prefix="recorded-") as folder:
-        robot = load_robot(_write_robot(header, Path(folder)))
+        robot = load_robot(write_robot(header, Path(folder)))
         return with_fitted(robot, recorded_fit(header))
 
 
@@ -139,11 +139,11 @@ def _write(header: RunHeader, folder: Path) -> tuple[Path, Path]:
     mission = next(file for file in header.files if file.role == "mission")
     called = [file for file in header.files if file.role == "called"]
     written = _write_with(mission, Path(mission.path).name, called, folder / "missions")
-    return written, _write_robot(header, folder)
+    return written, write_robot(header, folder)
 
 
-def _write_robot(header: RunHeader, folder: Path) -> Path:
-    """Write profile and chart, and return the folder of the profile."""
+def write_robot(header: RunHeader, folder: Path) -> Path:
+    """Write profile and chart below a folder, and return the folder of the profile."""
     profile = next(file for file in header.files if file.role == "profile")
     chart = next(file for file in header.files if file.role == "chart")
     return _write_with(profile, _PROFILE, [chart], folder / "robot").parent

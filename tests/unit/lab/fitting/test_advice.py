@@ -1,11 +1,15 @@
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import pirate_sm
-from pirate_sm.core.errors import UsageError
-from pirate_sm.lab.fitting.advice import advise, gained, missions_for
+from pirate_sm.core import library
+from pirate_sm.core.errors import PirateError, UsageError
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.lab.fitting import advice
+from pirate_sm.lab.fitting.advice import advise, gained
 from pirate_sm.lab.fitting.measurements import DRAWS, Estimate, read_measured
 from pirate_sm.lab.fitting.robot_numbers import RobotNumber, robot_numbers
 
@@ -97,7 +101,23 @@ def test_what_missions_tell_is_simulated_and_what_cannot_run_is_left_out(tmp_pat
         advise([measured], missions[1:], 2, 1, lambda share: None)
 
 
-def test_only_missions_of_the_robot_are_advised() -> None:
-    assert "mitre_bend" in {each.stem for each in missions_for("pirate_ii")}
-    with pytest.raises(UsageError, match="no shipped mission is for the robot newt"):
-        missions_for("newt")
+def test_missions_are_run_by_the_robot_that_was_recorded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mission, radii = tmp_path / "clamps.yaml", []
+    mission.write_text(CLAMP.format(name=mission.stem, pipe=PIPE))
+    robot = tmp_path / "wider"
+    shutil.copytree(library.find_robot("pirate_ii"), robot)
+    profile = (robot / "profile.yaml").read_text()
+    (robot / "profile.yaml").write_text(profile.replace("radius: 24 mm", "radius: 26 mm"))
+    pirate_sm.run(str(mission), robot=robot, record=tmp_path / "run.mcap")
+
+    def seen(loaded: LoadedMission, *_: object) -> None:
+        radii.append(loaded.loaded_robot.profile.body.wheel_radius)
+        raise PirateError("was seen\nand more")
+
+    monkeypatch.setattr(advice, "in_processes", lambda job, numbers, *_: map(job, numbers))
+    monkeypatch.setattr(advice, "simulated", seen)
+    with pytest.raises(UsageError, match=r"no two robots can run a mission: was seen$"):
+        advise([read_measured(tmp_path / "run.mcap")], [mission], 2, 1, lambda share: None)
+    assert radii == pytest.approx([0.026] * 2)
