@@ -94,7 +94,7 @@ def advise(
     workers: int | None,
     watch: Callable[[float], None],
 ) -> tuple[list[MissionAdvice], Mapping[str, str]]:
-    """Return what each mission is expected to tell, the most first, and why others are left out.
+    """Return what each mission is expected to tell, in order, and why others are left out.
 
     Args:
         measured: Recordings of the robot, all of them.
@@ -131,7 +131,15 @@ def advise(
         raise UsageError(
             f"no two robots can run a mission: {next(iter(left_out.values()), 'none')}"
         )
-    return sorted(found, key=lambda each: -each.bits.mean), left_out
+    return in_order(found, robots), left_out
+
+
+def in_order(found: Sequence[MissionAdvice], robots: int) -> list[MissionAdvice]:
+    """Return first what all robots pass, then the others, each by what it tells.
+
+    A failure tells much, but a robot in a pipe fails by falling.
+    """
+    return sorted(found, key=lambda each: (each.succeeded < robots, -each.bits.mean))
 
 
 def _advice(mission: str, told: Sequence[_Told]) -> MissionAdvice:

@@ -101,6 +101,18 @@ def test_what_missions_tell_is_simulated_and_what_cannot_run_is_left_out(tmp_pat
         advise([measured], missions[1:], 2, 1, lambda share: None)
 
 
+def test_a_mission_that_a_robot_fails_or_cannot_run_comes_after_those_that_all_pass() -> None:
+    def told(mission: str, bits: float, succeeded: int, robots: int) -> advice.MissionAdvice:
+        return advice.MissionAdvice(mission, advice.MeanGain(bits, 0), {}, 1.0, succeeded, robots)
+
+    found = [told("none passes", 9.0, 0, 4), told("little", 0.5, 4, 4), told("three", 3.0, 3, 3),
+             told("much", 2.0, 4, 4)]  # fmt: skip
+
+    ordered = [each.mission for each in advice.in_order(found, 4)]
+
+    assert ordered == ["much", "little", "none passes", "three"]
+
+
 def test_missions_are_run_by_the_robot_that_was_recorded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
