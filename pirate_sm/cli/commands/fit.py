@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from math import isnan
 from pathlib import Path
 from statistics import median
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 
 NOTHING = 1
 
+_OF_CURVES = ("slip", "friction", "torque", "normal", "radius", "threshold")
+"""Options that say nothing of a robot."""
 
 _SEEN = 0.05
 """A number that narrows by less is not named; a file has all."""
@@ -60,8 +63,7 @@ def run_fit(options: FitOptions) -> int:
         UsageError: A signal is missing, an option does not fit, or a file cannot be written.
     """
     _refuse_losses(options)
-    if options.predict and options.advise:
-        raise UsageError("--predict and --advise are two questions: ask one after the other")
+    _refuse_unfitting(options)
     if options.predict:
         return _predict(options)
     if options.advise:
@@ -83,6 +85,23 @@ def run_fit(options: FitOptions) -> int:
     return (
         0 if any(each.static.known or each.kinetic.known for each in curves.values()) else NOTHING
     )
+
+
+def _refuse_unfitting(options: FitOptions) -> None:
+    """Refuse options for another question than the one that is asked.
+
+    Raises:
+        UsageError: There is one.
+    """
+    of_curves = [
+        f"--{each.name}"
+        for each in fields(options)
+        if each.name in _OF_CURVES and getattr(options, each.name) != each.default
+    ]
+    if options.robot and of_curves:
+        raise UsageError(f"{', '.join(of_curves)}: only for slip and friction, without --robot")
+    if options.predict and options.advise:
+        raise UsageError("--predict and --advise are two questions: ask one after the other")
 
 
 def _measured(runs: Sequence[str]) -> list[MeasuredFile]:

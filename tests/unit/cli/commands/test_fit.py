@@ -108,6 +108,16 @@ def test_advice_goes_with_a_recording_of_a_robot(pirate: Any, table: Path) -> No
     assert "a table does not say what the robot was commanded" in told.output
 
 
+@pytest.mark.parametrize("question", [(), ("--predict",), ("--advise",)])
+def test_what_only_slip_and_friction_take_is_refused_for_a_robot(
+    pirate: Any, table: Path, question: tuple[str, ...]
+) -> None:
+    told = pirate("fit", table, "--robot", *question, "--slip", "foo", "--radius", "24mm")
+
+    assert told.exit_code == 2
+    assert "--slip, --radius: only for slip and friction, without --robot" in told.output
+
+
 def test_a_prediction_by_a_few_robots_is_refused(pirate: Any, table: Path) -> None:
     told = pirate("fit", table, "--robot", "--predict", "--robots", "18")
 
