@@ -33,6 +33,8 @@ KINDS: dict[Section, Any] = {"bars": World, "round": SpaceWorld}
 AT_M, LENGTH_M = 2.5, 5.0
 AHEAD = np.array([1.0, -1.0] * 3)
 """By this sign of its duty each wheel drives ahead."""
+SETTLED = 10.0
+"""After so many of the slowest time constants 5e-5 is left of what a motion has begun with."""
 
 both = pytest.mark.parametrize("section", KINDS)
 seeds = pytest.mark.parametrize(
@@ -107,6 +109,16 @@ def run(world: Any, seconds: float) -> Any:
 
 def places(world: Any) -> Floats:
     return np.array(world.places())
+
+
+def slowest_s(chain: ChainBody) -> float:
+    """Return the time constant by which motors of joints wind their springs up, the slowest one.
+
+    A motor turns at ``rate * (duty - torque / stall)``, and its turning adds ``stiffness`` to the
+    torque.
+    """
+    driven = (joint for joint in chain.joints.values() if joint.rate_rad_s)
+    return max(each.stall_nm / (each.rate_rad_s * each.stiffness_nm_rad) for each in driven)
 
 
 def quantity(world: Any, name: str) -> Floats:
@@ -280,7 +292,7 @@ def test_a_climbing_robot_bears_its_weight_at_the_speed_of_its_motors(
         world = put(chain, Case(section, case.diameter_m, up, joints, np.zeros(6), 0.7, 0.0, 0.6))
         run(world, 0.5)
         world.duties[6:] = duty * AHEAD
-        run(world, 6.0)
+        run(world, SETTLED * slowest_s(chain))
         weight_n = GRAVITY_M_S2 * float((1.0 / world.body[:, 0]).sum())
         along_n = weight_n * math.sin(tilt)
         assert (quantity(world, "grip") * AHEAD).sum() == pytest.approx(along_n, rel=1e-9)
