@@ -321,24 +321,31 @@ def _advise(options: FitOptions) -> int:
     _one_robot([each.profile for each in measured])
     robots = advice.ROBOTS if options.robots is None else options.robots
     with progress("simulating") as watch:
-        found, left_out = advice.advise(measured, missions(), robots, options.workers, watch)
+        advised = advice.advise(measured, missions(), robots, options.workers, watch)
     if options.csv:
         rows = [(one.mission, number, *gain, one.takes_s, one.succeeded, one.robots)
-                for one in found
+                for one in advised.missions
                 for number, gain in (("all, bits", one.bits), *one.narrower.items())]  # fmt: skip
         write_csv(options.csv, _ADVISED_HEADER, rows)
     if options.format == "json":
-        print(json.dumps({"format": 1, "advised": [each.as_data() for each in found],
-                          "left_out": left_out, "robots": robots}))  # fmt: skip
+        print(json.dumps({"format": 1, "advised": [each.as_data() for each in advised.missions],
+                          "left_out": advised.left_out, "robots": advised.robots,
+                          "rejected": advised.rejected,
+                          "unchecked": advised.unchecked}))  # fmt: skip
         return 0
-    for one in found:
+    for one in advised.missions:
         numbers = sorted(one.narrower.items(), key=lambda item: -item[1].mean)
         shown = [f"{name} by {share.mean:.0%}" for name, share in numbers if share.mean >= _SEEN]
         gain = f"{one.bits.mean:5.2f} ± {one.bits.error:.2f} bits"
         ends = f"{one.takes_s:5.0f} s, {one.succeeded} of {one.robots} succeed"
         print(visible(f"{gain}  {one.mission:<26} {ends}; narrows {', '.join(shown) or 'nothing'}"))
-    for mission, reason in left_out.items():
+    for mission, reason in advised.left_out.items():
         print(visible(f"left out  {mission}: {reason}"))
+    print(
+        f"{advised.rejected} robots rejected: they end a recorded mission otherwise than it ended"
+    )
+    if advised.unchecked:
+        print(visible(f"a recording rejects no robot: {advised.unchecked}"))
     return 0
 
 

@@ -22,11 +22,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pirate_sm.api.result import read
 from pirate_sm.core.errors import PirateError, UsageError
 from pirate_sm.core.loading import load_mission
 from pirate_sm.core.models import Profile
 from pirate_sm.lab.fitting.measurements import DRAWS, Estimate, MeasuredFile
-from pirate_sm.lab.fitting.prediction import in_processes, simulated
+from pirate_sm.lab.fitting.prediction import (
+    SEEDS_FROM,
+    in_processes,
+    simulated,
+    simulated_again,
+)
 from pirate_sm.lab.fitting.robot_numbers import RobotNumber, robot_numbers
 from pirate_sm.lab.fitting.twin_file import sample_of, twin_text
 from pirate_sm.running.recording.format.header import RunHeader
@@ -37,6 +43,15 @@ from pirate_sm.simulation.arrays import Floats
 
 ROBOTS = 4
 """Robots that run each mission."""
+
+_DRAWN = 8
+"""So many robots are drawn at most for each that runs."""
+
+_OF_MISSIONS = ("succeeded", "failed")
+"""Ends that depend on the robot: an operator's and a fault's do not."""
+
+_AGAIN_FROM = 2 * SEEDS_FROM
+"""The seeds of the recorded mission for the choice of robots, which are not those of advice."""
 
 _KNOWN_WITHIN = 0.01
 """A number is as good as known within this share: nothing is gained by less [assumed; fits err by
@@ -78,6 +93,24 @@ class MissionAdvice(NamedTuple):
         return self._asdict() | {"bits": self.bits._asdict(), "narrower": narrower}
 
 
+class Advice(NamedTuple):
+    """What each mission is expected to tell.
+
+    Attributes:
+        missions: In order.
+        left_out: Why a mission cannot be advised, by its name.
+        robots: How many robots ran the missions.
+        rejected: How many did not, as they ended a recorded mission otherwise.
+        unchecked: Why a recording rejected none; empty if all could have.
+    """
+
+    missions: list[MissionAdvice]
+    left_out: Mapping[str, str]
+    robots: int
+    rejected: int
+    unchecked: str
+
+
 class _Told(NamedTuple):
     """What the run of one robot tells, as in :class:`MissionAdvice`."""
 
@@ -93,13 +126,18 @@ def advise(
     robots: int,
     workers: int | None,
     watch: Callable[[float], None],
-) -> tuple[list[MissionAdvice], Mapping[str, str]]:
-    """Return what each mission is expected to tell, in order, and why others are left out.
+) -> Advice:
+    """Return what each mission is expected to tell.
+
+    A robot of the sample counts only if it ends the recorded missions as they ended: assumed
+    numbers are drawn from far more than such a robot can have. That is one draw of a likelihood
+    (Tavaré, Balding, Griffiths and Donnelly 1997, "Inferring coalescence times from DNA sequence
+    data": rejection sampling).
 
     Args:
         measured: Recordings of the robot, all of them.
         missions: Files of missions, each to be loaded with the recorded robot.
-        robots: How many robots of the sample run each, two at least.
+        robots: How many robots of the sample run each, two at least; fewer if too few are left.
         workers: How many processes simulate; None for one each processor.
         watch: Takes the share that is done.
 
@@ -110,14 +148,18 @@ def advise(
     assert profile is not None
     assert recording is not None
     numbers = robot_numbers(measured)
-    if not _logarithms(profile, numbers):
+    sample = sample_of(profile, numbers, _DRAWN * robots)
+    if sample is None:
         raise UsageError("nothing is known or assumed of this robot that a mission could tell")
     with TemporaryDirectory(prefix="advised-") as folder:
         twin = Path(folder) / "twin.yaml"
-        twin.write_text(twin_text(profile, numbers, recording.name, robots), "utf-8")
+        twin.write_text(twin_text(profile, numbers, recording.name, _DRAWN * robots), "utf-8")
+        drawn = len(sample.robots)
+        chosen, rejected, unchecked = _chosen(measured, twin, drawn, robots, workers)
+        robots = len(chosen)
         header = read_recording(recording).header
         robot = write_robot(header, Path(folder))
-        job = partial(_told, profile, header, robot, numbers, twin, missions, robots)
+        job = partial(_told, profile, header, robot, numbers, twin, missions, chosen)
         runs = list(in_processes(job, range(len(missions) * robots), workers, watch))
     found, left_out = list[MissionAdvice](), dict[str, str]()
     for number, mission in enumerate(missions):
@@ -131,7 +173,51 @@ def advise(
         raise UsageError(
             f"no two robots can run a mission: {next(iter(left_out.values()), 'none')}"
         )
-    return in_order(found, robots), left_out
+    return Advice(in_order(found, robots), left_out, robots, rejected, unchecked)
+
+
+def _chosen(
+    measured: Sequence[MeasuredFile], twin: Path, drawn: int, robots: int, workers: int | None
+) -> tuple[list[int], int, str]:
+    """Return the first robots that end each recorded mission as it ended.
+
+    Returns:
+        Their numbers, how many were rejected, and why a recording rejected none.
+
+    Raises:
+        UsageError: They are fewer than two.
+    """
+    recordings = [each.recording for each in measured if each.recording is not None]
+    ends = [(path, read(path).outcome) for path in recordings]
+    chosen, unchecked = list[int](), ""
+    job = partial(_ends_otherwise, ends, twin)
+    tried = in_processes(job, range(drawn), workers, lambda _: None)
+    for number, found in enumerate(tried):
+        if found is not True:
+            chosen.append(number)
+            unchecked = found or unchecked
+        if len(chosen) == robots:
+            return chosen, number + 1 - robots, unchecked
+    if len(chosen) < 2:
+        few = f"{len(chosen)} of {drawn} robots that the recordings leave possible"
+        raise UsageError(f"{few} end the recorded missions as they ended: two are needed")
+    return chosen, drawn - len(chosen), unchecked
+
+
+def _ends_otherwise(ends: Sequence[tuple[Path, str]], twin: Path, number: int) -> bool | str:
+    """Return whether a robot ends a recorded mission otherwise, or why that cannot be known."""
+    unchecked = ""
+    for path, outcome in ends:
+        if outcome not in _OF_MISSIONS:
+            unchecked = "the recorded mission came to no end of its own"
+            continue
+        try:
+            with simulated_again(path, twin, number, _AGAIN_FROM) as (run, _):
+                if run.outcome != outcome:
+                    return True
+        except PirateError as error:
+            unchecked = str(error).splitlines()[0]
+    return unchecked
 
 
 def in_order(found: Sequence[MissionAdvice], robots: int) -> list[MissionAdvice]:
@@ -164,14 +250,14 @@ def _told(
     numbers: Sequence[RobotNumber],
     twin: Path,
     missions: Sequence[Path],
-    robots: int,
+    robots: Sequence[int],
     number: int,
 ) -> _Told | str:
     """Return what a mission tells of one robot, or why it cannot be run."""
-    mission, of_sample = divmod(number, robots)
+    mission, robot_of = divmod(number, len(robots))
     try:
         loaded = load_mission(missions[mission], robot=str(robot), fitted=recorded_fit(header))
-        with simulated(loaded, header, twin, of_sample) as (run, new):
+        with simulated(loaded, header, twin, robots[robot_of]) as (run, new):
             told = gained(profile, numbers, robot_numbers([new]))
     except PirateError as error:
         return str(error).splitlines()[0]

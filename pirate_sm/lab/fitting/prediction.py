@@ -45,7 +45,7 @@ from pirate_sm.running.recording.recorded_mission import recorded_mission
 SHARE = 0.9
 """Share of the recorded values that bands are to hold."""
 
-_SEEDS_FROM = 1000
+SEEDS_FROM = 1000
 """The seeds of predicting runs, so that none is that of the recording by accident."""
 
 _LEAST_READINGS = 3
@@ -216,20 +216,33 @@ def in_processes(
 
 def _simulated(path: Path, twin: Path, number: int) -> Mapping[CommandValue, float] | str:
     """Return what a robot of the sample does in the recorded mission, or why it does nothing."""
-    header = replace(read_recording(path).header, zeros={})  # a simulated joint has none
     try:
-        with (
-            recorded_mission(header) as loaded,
-            simulated(loaded, header, twin, number) as (_, measured),
-        ):
+        with simulated_again(path, twin, number) as (_, measured):
             return quantities(measured)
     except PirateError as error:
         return str(error)
 
 
 @contextmanager
+def simulated_again(
+    path: Path, twin: Path, number: int, seeds_from: int = SEEDS_FROM
+) -> Iterator[tuple[Run, MeasuredFile]]:
+    """Yield what :func:`simulated` does of the mission that was recorded.
+
+    Raises:
+        PirateError: It cannot be run.
+    """
+    header = replace(read_recording(path).header, zeros={})  # a simulated joint has none
+    with (
+        recorded_mission(header) as loaded,
+        simulated(loaded, header, twin, number, seeds_from) as again,
+    ):
+        yield again
+
+
+@contextmanager
 def simulated(
-    mission: Mission, header: RunHeader, twin: Path, number: int
+    mission: Mission, header: RunHeader, twin: Path, number: int, seeds_from: int = SEEDS_FROM
 ) -> Iterator[tuple[Run, MeasuredFile]]:
     """Yield how a mission ends for a robot of a sample, and what its recording holds.
 
@@ -238,6 +251,7 @@ def simulated(
         header: Of a recording: the robot is simulated under the same options.
         twin: The file with the sample, next to which the recording is kept for the moment.
         number: Of the robot.
+        seeds_from: The seed of the first robot.
 
     Raises:
         PirateError: It cannot be run.
@@ -246,7 +260,7 @@ def simulated(
     backend = header.backend if header.backend in SIMULATORS else "sim"
     with TemporaryDirectory(dir=twin.parent) as folder:
         file = Path(folder) / "run.mcap"
-        options |= {"twin": f"{twin}#{number}", "record": file, "seed": _SEEDS_FROM + number}
+        options |= {"twin": f"{twin}#{number}", "record": file, "seed": seeds_from + number}
         yield run(mission, backend, check=False, **options), read_measured(file)
 
 

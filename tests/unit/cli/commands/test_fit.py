@@ -130,7 +130,9 @@ def test_advice_is_printed_the_most_first_and_written_with_every_number(
     numbers = {"wheel hold_torque": (0.9, 0.01), "bend stall_torque": (0.01, 0.002)}
     narrower = {name: advice.MeanGain(*gain) for name, gain in numbers.items()}
     found = advice.MissionAdvice("climb", advice.MeanGain(3.25, 0.5), narrower, 31.2, 3, 4)
-    monkeypatch.setattr(advice, "advise", lambda *_: ([found], {"level": "there is no pipe"}))
+    left_out = {"level": "there is no pipe"}
+    advised = advice.Advice([found], left_out, 4, 3, "it was stopped")
+    monkeypatch.setattr(advice, "advise", lambda *_: advised)
     run, csv = tmp_path / "run.mcap", tmp_path / "advised.csv"
     pirate_sm.run("exp_2c_clamp", record=run)
 
@@ -140,6 +142,8 @@ def test_advice_is_printed_the_most_first_and_written_with_every_number(
         " 3.25 ± 0.50 bits  climb                         31 s, 3 of 4 succeed; "
         "narrows wheel hold_torque by 90%",
         "left out  level: there is no pipe",
+        "3 robots rejected: they end a recorded mission otherwise than it ended",
+        "a recording rejects no robot: it was stopped",
     ]
     assert csv.read_text().splitlines() == [
         "mission,number,gain,error,takes_s,succeeded,robots",
@@ -150,7 +154,8 @@ def test_advice_is_printed_the_most_first_and_written_with_every_number(
     data = json.loads(pirate("fit", "--robot", run, "--advise", "--format", "json").stdout)
     assert data["advised"][0]["bits"] == {"mean": 3.25, "error": 0.5}
     assert data["advised"][0]["narrower"]["wheel hold_torque"] == {"mean": 0.9, "error": 0.01}
-    assert data["left_out"] == {"level": "there is no pipe"}
+    assert data["left_out"] == left_out
+    assert (data["robots"], data["rejected"], data["unchecked"]) == (4, 3, "it was stopped")
 
 
 @pytest.mark.parametrize("options", [("--format", "json"), ("--workers", "1"), ("--robots", "64")])

@@ -1,5 +1,9 @@
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +15,7 @@ from pirate_sm.core.loading import LoadedMission
 from pirate_sm.lab.fitting import advice
 from pirate_sm.lab.fitting.advice import advise, gained
 from pirate_sm.lab.fitting.measurements import DRAWS, Estimate, read_measured
+from pirate_sm.lab.fitting.prediction import SEEDS_FROM
 from pirate_sm.lab.fitting.robot_numbers import RobotNumber, robot_numbers
 
 UNKNOWN = Estimate(reason="it hardly moved")
@@ -89,8 +94,10 @@ def test_what_missions_tell_is_simulated_and_what_cannot_run_is_left_out(tmp_pat
     pirate_sm.run(str(missions[0]), record=tmp_path / "run.mcap")
     measured = read_measured(tmp_path / "run.mcap")
 
-    (found,), left_out = advise([measured], missions, 2, 1, lambda share: None)
+    told = advise([measured], missions, 2, 1, lambda share: None)
 
+    (found,), left_out = told.missions, told.left_out
+    assert (told.robots, told.unchecked) == (2, "")
     assert (found.mission, found.robots, found.succeeded) == ("clamps", 2, 2)
     assert found.narrower["bend no_load_speed"].mean >= 0
     assert {f"{each.motor} {each.key}" for each in robot_numbers([measured]) if each.motor} <= {
@@ -113,6 +120,42 @@ def test_a_mission_that_a_robot_fails_or_cannot_run_comes_after_those_that_all_p
     assert ordered == ["much", "little", "none passes", "three"]
 
 
+def test_only_robots_that_end_the_recorded_mission_as_it_ended_are_chosen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mission, failing = tmp_path / "clamps.yaml", {0, 2, 3}
+    mission.write_text(CLAMP.format(name=mission.stem, pipe=PIPE))
+    pirate_sm.run(str(mission), record=tmp_path / "run.mcap")
+    measured = [read_measured(tmp_path / "run.mcap")]
+
+    @contextmanager
+    def again(path: Path, twin: Path, number: int, seeds_from: int) -> Iterator[Any]:
+        assert seeds_from != SEEDS_FROM  # else the mission is advised by the runs that were chosen
+        yield SimpleNamespace(outcome="failed" if number in failing else "succeeded"), None
+
+    monkeypatch.setattr(advice, "in_processes", lambda job, numbers, *_: map(job, numbers))
+    monkeypatch.setattr(advice, "simulated_again", again)
+
+    def chosen(drawn: int, robots: int) -> tuple[list[int], int, str]:
+        return advice._chosen(measured, tmp_path / "twin.yaml", drawn, robots, 1)
+
+    assert chosen(16, 2) == ([1, 4], 3, "")
+    assert chosen(5, 4) == ([1, 4], 3, "")
+    with pytest.raises(UsageError, match=r"1 of 4 robots .* two are needed"):
+        chosen(4, 2)
+    measured.append(measured[0]._replace(recording=tmp_path / "stopped.mcap"))
+    ended = {"run.mcap": "succeeded", "stopped.mcap": "interrupted"}
+    monkeypatch.setattr(advice, "read", lambda path: SimpleNamespace(outcome=ended[path.name]))
+    assert chosen(16, 2) == ([1, 4], 3, "the recorded mission came to no end of its own")
+    monkeypatch.setattr(advice, "simulated_again", lambda *_: raise_(PirateError("no pipe\nhere")))
+    ended["stopped.mcap"] = "failed"
+    assert chosen(16, 2) == ([0, 1], 0, "no pipe")
+
+
+def raise_(error: Exception) -> Any:
+    raise error
+
+
 def test_missions_are_run_by_the_robot_that_was_recorded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -130,6 +173,7 @@ def test_missions_are_run_by_the_robot_that_was_recorded(
 
     monkeypatch.setattr(advice, "in_processes", lambda job, numbers, *_: map(job, numbers))
     monkeypatch.setattr(advice, "simulated", seen)
+    monkeypatch.setattr(advice, "_chosen", lambda *_: ([0, 1], 0, ""))
     with pytest.raises(UsageError, match=r"no two robots can run a mission: was seen$"):
         advise([read_measured(tmp_path / "run.mcap")], [mission], 2, 1, lambda share: None)
     assert radii == pytest.approx([0.026] * 2)
