@@ -50,6 +50,9 @@ _DRAWN = 8
 _OF_MISSIONS = ("succeeded", "failed")
 """Ends that depend on the robot: an operator's and a fault's do not."""
 
+_STREAMS_FROM = 1000
+"""Streams of the stretches that are drawn of simulated recordings: the recording at hand has 0."""
+
 _AGAIN_FROM = 2 * SEEDS_FROM
 """The seeds of the recorded mission for the choice of robots, which are not those of advice."""
 
@@ -258,7 +261,7 @@ def _told(
     try:
         loaded = load_mission(missions[mission], robot=str(robot), fitted=recorded_fit(header))
         with simulated(loaded, header, twin, robots[robot_of]) as (run, new):
-            told = gained(profile, numbers, robot_numbers([new]))
+            told = gained(profile, numbers, robot_numbers([new], _STREAMS_FROM + robots[robot_of]))
     except PirateError as error:
         return str(error).splitlines()[0]
     return _Told(*told, float(new.columns[TIME][-1]), run.outcome == "succeeded")

@@ -313,15 +313,18 @@ class Estimate:
         return self.draws if len(self.draws) else np.full(DRAWS, self.value)
 
 
-def estimate_of(rows: Floats, statistic: Callable[[Floats], float], shortest: int = 1) -> Estimate:
+def estimate_of(
+    rows: Floats, statistic: Callable[[Floats], float], shortest: int = 1, stream: int = 0
+) -> Estimate:
     """Return a statistic with its interval, from draws of whole stretches of the run.
 
     Args:
         rows: What was measured, in the order of time.
         statistic: Returns the value that some of it gives; NaN if none.
         shortest: How many rows a stretch has at least.
+        stream: Of the stretches that are drawn, another for each run that is compared.
     """
-    random = np.random.default_rng(0)
+    random = np.random.default_rng(stream)
     stretches = np.array_split(rows, min(_STRETCHES, len(rows) // shortest))
     drawn: Floats = np.array(
         [

@@ -215,14 +215,19 @@ class RobotNumber:
         return self.key.startswith(_FRICTION)
 
 
-def robot_numbers(measured: Sequence[MeasuredFile]) -> list[RobotNumber]:
-    """Return what the recordings say of the motors and of friction, with what they cannot say."""
+def robot_numbers(measured: Sequence[MeasuredFile], stream: int = 0) -> list[RobotNumber]:
+    """Return what the recordings say of the motors and of friction, with what they cannot say.
+
+    Args:
+        measured: Recordings of one robot.
+        stream: As :func:`estimate_of` takes it. Errors of the method are drawn alike in all.
+    """
     profile = next(each.profile for each in measured if each.profile is not None)
     found, quiet_nm = list[RobotNumber](), 0.0
     for name, motor in profile.motors.items():
         if motor.kind in ("geared", "sprung_worm"):
             parts = [one for each in measured for one in intervals_of(each, profile, name, motor)]
-            found += _motor_numbers(name, motor, parts)
+            found += _motor_numbers(name, motor, parts, stream)
             if motor.kind == "geared":
                 quiet_nm = _QUIET * max((each.noise_nm for each in parts), default=0.0)
     shown = [_with_motors(each, profile, found) for each in measured]
@@ -231,8 +236,8 @@ def robot_numbers(measured: Sequence[MeasuredFile]) -> list[RobotNumber]:
         if each.key == "no_load_speed" and each.estimate.known:
             speeds[each.motor] = each.estimate.high
     rolling = [_resisted(each, profile, speeds, quiet_nm) for each in shown]
-    resistance = rolling_resistance(np.concatenate(rolling))
-    return [*found, *_frictions(shown, profile), RobotNumber("", ROLLING, "", resistance)]
+    resistance = rolling_resistance(np.concatenate(rolling), stream)
+    return [*found, *_frictions(shown, profile, stream), RobotNumber("", ROLLING, "", resistance)]
 
 
 def _with_motors(
@@ -259,7 +264,9 @@ def _shows_friction(columns: Columns) -> bool:
     return any(bool(np.isfinite(values).any()) for values in known)
 
 
-def _motor_numbers(name: str, motor: Motor, parts: list[Intervals]) -> Iterator[RobotNumber]:
+def _motor_numbers(
+    name: str, motor: Motor, parts: list[Intervals], stream: int
+) -> Iterator[RobotNumber]:
     """Yield what the intervals of all motors of a kind say."""
     if not parts:
         unknown = Estimate(reason="no motor of this kind reports its angle and its load")
@@ -268,10 +275,10 @@ def _motor_numbers(name: str, motor: Motor, parts: list[Intervals]) -> Iterator[
     all_ = Intervals(*(np.concatenate(column) for column in zip(*parts, strict=True)))
     rows = driven(all_)
     if motor.kind == "geared":
-        yield from wheel_numbers(name, rows, all_)
+        yield from wheel_numbers(name, rows, all_, stream)
         return
-    stall = _estimate(rows, _stall, _STEADY)
-    yield RobotNumber(name, "no_load_speed", "rad/s", _estimate(rows, _speed, _STILL))
+    stall = _estimate(rows, _stall, _STEADY, stream)
+    yield RobotNumber(name, "no_load_speed", "rad/s", _estimate(rows, _speed, _STILL, stream))
     yield RobotNumber(name, "stall_torque", "Nm", stall)
     yield RobotNumber("", f"clamp threshold, {name}", "", clamp_threshold(all_, stall))
 
@@ -295,7 +302,9 @@ def _nearly_always(shares: Floats) -> float:
     return float(np.quantile(shares, _ALL_BUT))
 
 
-def wheel_numbers(name: str, rows: Floats, all_: Intervals) -> Iterator[RobotNumber]:
+def wheel_numbers(
+    name: str, rows: Floats, all_: Intervals, stream: int = 0
+) -> Iterator[RobotNumber]:
     """Yield the numbers of a motor whose current has no sign, so that noise adds to its load.
 
     A load within the noise counts as none. The interval is also that of the load as it was read:
@@ -307,9 +316,9 @@ def wheel_numbers(name: str, rows: Floats, all_: Intervals) -> Iterator[RobotNum
         ("no_load_speed", "rad/s", _speed, _STILL),
         ("stall_torque", "Nm", _stall, _STEADY),
     ):
-        read, found = (_estimate(each, statistic, reason) for each in (rows, quiet))
+        read, found = (_estimate(each, statistic, reason, stream) for each in (rows, quiet))
         yield RobotNumber(name, key, unit, _spanned(found, read, 1))
-    yield RobotNumber(name, "hold_torque", "Nm", _hold(all_))
+    yield RobotNumber(name, "hold_torque", "Nm", _hold(all_, stream))
 
 
 def _spanned(found: Estimate, other: Estimate, stream: int) -> Estimate:
@@ -358,7 +367,7 @@ def _solved(rows: Floats) -> Floats:
     return np.asarray(solution, dtype=np.float64)
 
 
-def _hold(all_: Intervals) -> Estimate:
+def _hold(all_: Intervals, stream: int) -> Estimate:
     """Return the torque of wheels that were turned at duty 0; a bound where none was."""
     braked = all_.duty == 0
     turned = braked & (all_.rate > _TURNED_RAD_S)
@@ -366,21 +375,29 @@ def _hold(all_: Intervals) -> Estimate:
     if np.count_nonzero(turned) < _LEAST:
         bound = float(np.quantile(all_.load[braked], 0.99)) if braked.any() else np.nan
         return Estimate(low=bound, reason="no wheel was turned against its gears at duty 0")
-    most = _estimate(loads[:, None], lambda rows: float(np.quantile(rows, _TURNED_SHARE)), "")
-    return _spanned(most, _estimate(loads[:, None], lambda rows: float(np.median(rows)), ""), 3)
+    most = _estimate(
+        loads[:, None], lambda rows: float(np.quantile(rows, _TURNED_SHARE)), "", stream
+    )
+    return _spanned(
+        most, _estimate(loads[:, None], lambda rows: float(np.median(rows)), "", stream), 3
+    )
 
 
-def _estimate(rows: Floats, statistic: Callable[[Floats], float], reason: str) -> Estimate:
+def _estimate(
+    rows: Floats, statistic: Callable[[Floats], float], reason: str, stream: int = 0
+) -> Estimate:
     """Return a statistic with its interval; unknown where too little was recorded for it."""
     if len(rows) < _LEAST:
         return Estimate(reason=f"{len(rows)} intervals, {_LEAST} are needed: {reason}")
-    found = estimate_of(rows, statistic, shortest=3)
+    found = estimate_of(rows, statistic, 3, stream)
     if not np.isfinite(found.value) or found.high - found.low > _MOST_WIDTH * abs(found.value):
         return Estimate(reason=f"between {found.low:.3g} and {found.high:.3g}: {reason}")
     return found
 
 
-def _frictions(measured: Sequence[MeasuredFile], profile: Profile) -> Iterator[RobotNumber]:
+def _frictions(
+    measured: Sequence[MeasuredFile], profile: Profile, stream: int
+) -> Iterator[RobotNumber]:
     """Yield kinetic friction of each part, where the profile derives it for its wheels."""
     names = [wheel.name for wheel in profile.body.wheels]
     signals = SlipSignalNames(radius_m=profile.body.wheel_radius)
@@ -394,7 +411,7 @@ def _frictions(measured: Sequence[MeasuredFile], profile: Profile) -> Iterator[R
             for number in numbers
             if has(each.columns, [signals.known.format(number), signals.torque.format(number)])
         ]
-        yield RobotNumber("", f"{_FRICTION}, {part}", "", _kinetic(rows))
+        yield RobotNumber("", f"{_FRICTION}, {part}", "", _kinetic(rows, stream))
 
 
 def _known_friction(columns: Columns, number: str, signals: SlipSignalNames) -> Floats:
@@ -406,10 +423,10 @@ def _known_friction(columns: Columns, number: str, signals: SlipSignalNames) -> 
     return rows
 
 
-def _kinetic(rows: Sequence[Floats]) -> Estimate:
+def _kinetic(rows: Sequence[Floats], stream: int) -> Estimate:
     if not rows:
         return Estimate(reason="the profile derives no friction of these wheels")
-    found = _estimate(np.concatenate(rows), _weighted_median, "no wheel slipped steadily")
+    found = _estimate(np.concatenate(rows), _weighted_median, "no wheel slipped steadily", stream)
     low, high = found.low * (1 - _STATICS), found.high * (1 + _STATICS)
     off = np.random.default_rng(2).uniform(1 - _STATICS, 1 + _STATICS, len(found.draws))
     return replace(found, low=low, high=high, draws=found.draws * off)
@@ -461,11 +478,11 @@ def _resisted(
     return resisted[np.isfinite(resisted).all(axis=1)]
 
 
-def rolling_resistance(rows: Floats) -> Estimate:
+def rolling_resistance(rows: Floats, stream: int = 0) -> Estimate:
     """Return the mean of both ways; unknown where it is no more than the noise of currents."""
     if len(np.unique(rows[:, 2])) < 2:
         return Estimate(reason=_ONE_WAY)
-    read, quiet = (_estimate(rows[:, [place, 2]], _both_ways, _ONE_WAY) for place in (0, 1))
+    read, quiet = (_estimate(rows[:, [place, 2]], _both_ways, _ONE_WAY, stream) for place in (0, 1))
     if not read.known:
         return read
     if not quiet.value > read.value / 2:

@@ -5,7 +5,12 @@ import pytest
 
 import pirate_sm
 from pirate_sm.core._loading.robot.twin import load_twin
-from pirate_sm.lab.fitting.measurements import Estimate, MeasuredFile, read_measured
+from pirate_sm.lab.fitting.measurements import (
+    Estimate,
+    MeasuredFile,
+    estimate_of,
+    read_measured,
+)
 from pirate_sm.lab.fitting.robot_numbers import (
     Intervals,
     RobotNumber,
@@ -388,3 +393,25 @@ def test_a_robot_that_drives_both_ways_shows_its_rolling_resistance(tmp_path: Pa
     assert drawn.tyre is not None
     assert 0.015 < drawn.tyre.rolling_resistance < 0.045
     assert "spin_radius" not in drawn.tyre.model_dump(exclude_unset=True)
+
+
+@pytest.mark.thorough
+def test_another_stream_draws_other_stretches_for_every_number(measured: MeasuredFile) -> None:
+    first, second = robot_numbers([measured]), robot_numbers([measured], 1000)
+
+    for one, other in zip(first, second, strict=True):
+        assert one.estimate.value == pytest.approx(other.estimate.value, nan_ok=True)
+        if one.estimate.known and not one.key.startswith("clamp threshold"):
+            assert not np.array_equal(one.estimate.draws, other.estimate.draws)
+
+
+def test_draws_of_two_streams_have_nothing_in_common() -> None:
+    rows = np.random.default_rng(3).normal(size=(400, 1))
+    draws = [
+        estimate_of(rows, lambda some: float(np.mean(some)), stream=stream).draws
+        for stream in (0, 0, 1000)
+    ]
+
+    common = np.corrcoef(draws)
+    assert common[0, 1] == pytest.approx(1)
+    assert abs(common[0, 2]) < 0.2
