@@ -341,9 +341,8 @@ def _advise(options: FitOptions) -> int:
         print(visible(f"{gain}  {one.mission:<26} {ends}; narrows {', '.join(shown) or 'nothing'}"))
     for mission, reason in advised.left_out.items():
         print(visible(f"left out  {mission}: {reason}"))
-    print(
-        f"{advised.rejected} robots rejected: they end a recorded mission otherwise than it ended"
-    )
+    count = f"{advised.rejected} of {advised.rejected + advised.robots}"
+    print(f"rejected  {count} robots: they end a recorded mission in another way")
     if advised.unchecked:
         print(visible(f"a recording rejects no robot: {advised.unchecked}"))
     return 0

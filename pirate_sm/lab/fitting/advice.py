@@ -96,14 +96,14 @@ class MissionAdvice(NamedTuple):
         return self._asdict() | {"bits": self.bits._asdict(), "narrower": narrower}
 
 
-class Advice(NamedTuple):
+class AdvisedMissions(NamedTuple):
     """What each mission is expected to tell.
 
     Attributes:
         missions: In order.
         left_out: Why a mission cannot be advised, by its name.
         robots: How many robots ran the missions.
-        rejected: How many did not, as they ended a recorded mission otherwise.
+        rejected: How many did not, as they ended a recorded mission in another way.
         unchecked: Why a recording rejected none; empty if all could have.
     """
 
@@ -129,7 +129,7 @@ def advise(
     robots: int,
     workers: int | None,
     watch: Callable[[float], None],
-) -> Advice:
+) -> AdvisedMissions:
     """Return what each mission is expected to tell.
 
     A robot of the sample counts only if it ends the recorded missions as they ended: assumed
@@ -176,7 +176,7 @@ def advise(
         raise UsageError(
             f"no two robots can run a mission: {next(iter(left_out.values()), 'none')}"
         )
-    return Advice(in_order(found, robots), left_out, robots, rejected, unchecked)
+    return AdvisedMissions(in_order(found, robots), left_out, robots, rejected, unchecked)
 
 
 def _chosen(
@@ -193,7 +193,7 @@ def _chosen(
     recordings = [each.recording for each in measured if each.recording is not None]
     ends = [(path, read(path).outcome) for path in recordings]
     chosen, unchecked = list[int](), ""
-    job = partial(_ends_otherwise, ends, twin)
+    job = partial(_ends_differently, ends, twin)
     tried = in_processes(job, range(drawn), workers, lambda _: None)
     for number, found in enumerate(tried):
         if found is not True:
@@ -207,8 +207,8 @@ def _chosen(
     return chosen, drawn - len(chosen), unchecked
 
 
-def _ends_otherwise(ends: Sequence[tuple[Path, str]], twin: Path, number: int) -> bool | str:
-    """Return whether a robot ends a recorded mission otherwise, or why that cannot be known."""
+def _ends_differently(ends: Sequence[tuple[Path, str]], twin: Path, number: int) -> bool | str:
+    """Return whether a robot ends a mission in another way, or why that cannot be known."""
     unchecked = ""
     for path, outcome in ends:
         if outcome not in _OF_MISSIONS:

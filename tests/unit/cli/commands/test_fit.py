@@ -131,7 +131,7 @@ def test_advice_is_printed_the_most_first_and_written_with_every_number(
     narrower = {name: advice.MeanGain(*gain) for name, gain in numbers.items()}
     found = advice.MissionAdvice("climb", advice.MeanGain(3.25, 0.5), narrower, 31.2, 3, 4)
     left_out = {"level": "there is no pipe"}
-    advised = advice.Advice([found], left_out, 4, 3, "it was stopped")
+    advised = advice.AdvisedMissions([found], left_out, 4, 3, "it was stopped")
     monkeypatch.setattr(advice, "advise", lambda *_: advised)
     run, csv = tmp_path / "run.mcap", tmp_path / "advised.csv"
     pirate_sm.run("exp_2c_clamp", record=run)
@@ -142,7 +142,7 @@ def test_advice_is_printed_the_most_first_and_written_with_every_number(
         " 3.25 ± 0.50 bits  climb                         31 s, 3 of 4 succeed; "
         "narrows wheel hold_torque by 90%",
         "left out  level: there is no pipe",
-        "3 robots rejected: they end a recorded mission otherwise than it ended",
+        "rejected  3 of 7 robots: they end a recorded mission in another way",
         "a recording rejects no robot: it was stopped",
     ]
     assert csv.read_text().splitlines() == [
