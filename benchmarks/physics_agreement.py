@@ -42,6 +42,9 @@ _UNCREEPING = 3
 """So many iterations of MuJoCo's solver without slip; ten give the same forces within 4 %."""
 SECTIONS: tuple[Section, ...] = ("bars", "round")
 FRONT, REAR = {1: -0.5, 2: 0.5}, {3: -0.5, 4: 0.5}
+CLOSING_RAD = 3.0
+"""As long as a motor of a joint turns so far, without load and at full duty, a clamp may close, and
+a leaning robot drives before it is compared: its Vs open as it comes to the axis."""
 
 
 @dataclass(frozen=True)
@@ -79,21 +82,35 @@ class History:
         return any(step.drive for step in self.steps)
 
 
-_FROM_LOOSE = (Step(3.0, FRONT), Step(3.0, CLAMPED))
-_TO_THE_AXIS = (*_FROM_LOOSE, Step(3.0, CLAMPED, 1.0))
-"""A robot that has clamped on the floor of a round pipe leans. MuJoCo's wheels are spheres that do
-not creep aside: how far such a robot goes until it is on the axis is not compared, but printed."""
-HISTORIES = (
-    History("started clamped", CLAMPED, (Step(2.0, CLAMPED),)),
-    History("driving", CLAMPED, (Step(1.0, CLAMPED), Step(3.0, CLAMPED, 1.0))),
-    History(
-        "after driving", CLAMPED, (Step(1.0, CLAMPED), Step(3.0, CLAMPED, 1.0), Step(1.0, CLAMPED))
-    ),
-    History("front clamped again", REAR, (Step(1.0, REAR), Step(3.0, CLAMPED))),
-    History("clamped from loose", {}, _FROM_LOOSE),
-    History("… and driving", {}, (*_TO_THE_AXIS, Step(3.0, CLAMPED, 1.0))),
-    History("… and braked", {}, (*_TO_THE_AXIS, Step(3.0, CLAMPED, 1.0), Step(1.0, CLAMPED))),
-)
+def from_loose(chain: ChainBody) -> tuple[Step, ...]:
+    """Return how a loose robot clamps, its front first; each has time for the motors' speed."""
+    closing_s = closing(chain)
+    return Step(closing_s, FRONT), Step(closing_s, CLAMPED)
+
+
+def closing(chain: ChainBody) -> float:
+    """Return for how long a clamp may close, s."""
+    return CLOSING_RAD / min(each.rate_rad_s for each in chain.joints.values() if each.rate_rad_s)
+
+
+def histories(chain: ChainBody) -> tuple[History, ...]:
+    """Return what is compared.
+
+    A robot that has clamped on the floor of a round pipe leans. MuJoCo's wheels are spheres that do
+    not creep aside: how far such a robot goes until it is on the axis is not compared, but printed.
+    """
+    loose, ahead, held = from_loose(chain), Step(3.0, CLAMPED, 1.0), Step(1.0, CLAMPED)
+    centred = (*loose, Step(closing(chain), CLAMPED, 1.0))
+    again = (Step(1.0, REAR), Step(closing(chain), CLAMPED))
+    return (
+        History("started clamped", CLAMPED, (Step(2.0, CLAMPED),)),
+        History("driving", CLAMPED, (held, ahead)),
+        History("after driving", CLAMPED, (held, ahead, held)),
+        History("front clamped again", REAR, again),
+        History("clamped from loose", {}, loose),
+        History("… and driving", {}, (*centred, ahead)),
+        History("… and braked", {}, (*centred, ahead, held)),
+    )
 
 
 @dataclass(frozen=True)
@@ -124,7 +141,7 @@ def main() -> int:
     for section in SECTIONS:
         where = "the plane" if section == "bars" else "space"
         print(f"In {where}: sum of normal forces kinematic, MuJoCo, MuJoCo without creep; apart by")
-        for history in HISTORIES:
+        for history in histories(chain):
             ends = [end_of(make, chain, section, history) for make in (*WORLDS, uncreeping)]
             (force, way, angle), (dry, _, _) = (apart(ends[0], other) for other in ends[1:])
             holds = way <= MOST_WAY and angle <= MOST_ANGLE
@@ -208,7 +225,7 @@ def _share(one: Floats, other: Floats) -> float:
 def _to_the_axis(make: MakePhysics, chain: ChainBody, seconds: int = 5) -> Sequence[str]:
     """Return how far a robot is off the axis second by second, and how it rolls in between."""
     world, layout = put(make, chain, "round", {}), QuantityLayout(chain.nodes)
-    for step in _FROM_LOOSE:
+    for step in from_loose(chain):
         play(world, chain, step)
     arcs, wheels = (world.quantities[layout.block(each)] for each in ("arc", "wheel"))
     told = []
