@@ -18,6 +18,8 @@ from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.viewers import live_server as live
 from pirate_sm.running.recording.write import recorder
 from pirate_sm.running.recording.write.recording_file import DiskFile, RecordingFile
+from pirate_sm.running.wiring import Order
+from tests.unit.running.recording.recording_runs import beginning_of
 
 TRACE = ("mitre_bend", "--backend", "trace", "--quiet")
 Run = Callable[..., Result]
@@ -208,7 +210,7 @@ def test_a_lost_recording_that_was_asked_for_gives_a_code_to_a_mission_that_succ
     more: tuple[str, ...], code: int, here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PIRATE_SM_RUNS", "kept")
-    said = on_a_disk_with(80_000, "mitre_bend", *more)
+    said = on_a_disk_that_fills_up("mitre_bend", *more)
 
     assert said.returncode == code
     assert "warning: " in said.stderr
@@ -217,14 +219,15 @@ def test_a_lost_recording_that_was_asked_for_gives_a_code_to_a_mission_that_succ
 
 @pytest.mark.thorough
 def test_a_lost_recording_that_nobody_asked_for_is_a_warning(here: Path) -> None:
-    said = on_a_disk_with(80_000, "mitre_bend")
+    said = on_a_disk_that_fills_up("mitre_bend")
 
     assert said.returncode == 0
     assert said.stderr.startswith("warning: runs/")
 
 
-def on_a_disk_with(room: int, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Return the end of a run whose files cannot be larger than this, bytes."""
+def on_a_disk_that_fills_up(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """Return the end of a run whose files can be begun, and soon cannot become any larger."""
+    room = beginning_of(Order("mitre_bend")) + 5_000
     program = (
         "import resource; from pirate_sm.cli.entry import run_main; "
         f"resource.setrlimit(resource.RLIMIT_FSIZE, ({room}, {room})); run_main()"

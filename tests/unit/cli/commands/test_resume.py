@@ -240,7 +240,7 @@ def test_a_run_that_was_resumed_can_be_resumed_again(
         [("take_elbow", 5.0), ("enter_3d", 20.3)],
         [
             ("take_elbow", 5.0),
-            ("house_connection", 30.0),
+            ("house_connection", 60.0),
             # In a plane, where both parts have turned.
             ("enter_3d", 10.0),
             ("enter_3d", 20.3),

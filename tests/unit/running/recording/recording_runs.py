@@ -145,6 +145,15 @@ class _Memory:
         pass
 
 
+def beginning_of(order: Order) -> int:
+    """Return how large a file of this run is before anything has happened, bytes."""
+    prepared = prepare(order)
+    header = run_header(prepared, inf, datetime.now(UTC))
+    memory = _Memory()
+    RecordingFile(memory, header)
+    return len(memory.data)
+
+
 def record_cut_off(
     path: Path, order: Order, until_s: float, each_s: float = inf, *, fails: bool = False
 ) -> None:
