@@ -2,6 +2,8 @@
 
 import pytest
 
+from pirate_sm.core.effects import CommandStatus, Fault
+
 
 @pytest.mark.parametrize("mission", ["mitre_bend", "enter_2d"])
 @pytest.mark.parametrize("stall", ["0.70 Nm", "0.5 Nm", "2 Nm"])
@@ -14,10 +16,21 @@ def test_belief_in_a_clamp_needs_no_motor_as_strong_as_assumed(run, tmp_path, mi
     assert record.ended.outcome == "succeeded", record.ended.message
 
 
-def test_belief_in_a_time_limit_needs_no_motor_as_fast_as_assumed(run, tmp_path):
-    """The thesis's motors give 0.36 rad/s by their data sheets; the profile assumes 1 rad/s."""
+def test_belief_in_a_clamp_at_its_end_stop_lets_nobody_release_the_other_part(run, tmp_path):
+    """The front of a robot whose joints turn faster comes to rest in the mouth of the bend."""
     twin = tmp_path / "twin.yaml"
-    motors = "{bend: {no_load_speed: 0.36 rad/s}}"
+    motors = "{bend: {no_load_speed: 1 rad/s}}"
+    twin.write_text(f"format: 1\nrobot: pirate_ii\nmotors: {motors}\n", "utf-8")
+    record = run("take_bend", backend="sim", seed=9501, twin=str(twin))
+    assert record.ended.outcome == "failed"
+    assert [fault.code for fault in record.of(Fault)] == ["clamp.lost"]
+    assert "RelaxRear" not in [command.name for command in record.of(CommandStatus)]
+
+
+def test_belief_in_a_time_limit_needs_no_motor_as_fast_as_assumed(run, tmp_path):
+    """Three quarters of what the thesis's data sheets give at 6 V."""
+    twin = tmp_path / "twin.yaml"
+    motors = "{bend: {no_load_speed: 0.27 rad/s}}"
     twin.write_text(f"format: 1\nrobot: pirate_ii\nmotors: {motors}\n", "utf-8")
     record = run("mitre_bend", backend="sim", twin=str(twin))
     assert record.ended.outcome == "succeeded", record.ended.message

@@ -66,6 +66,8 @@ def _demands(  # noqa: C901 - one case for each kind
             for number, name in enumerate(done.joints):
                 rate = rate_of(name, signals, "robot.criterion", (*path, "joints", number))
                 yield only(Bound(rate, "<", done.still))
+            for name, stop in done.stops(signals.profile.body):
+                yield only(Bound(signals.number(name, path), "<", stop))
             for number, name in enumerate(done.loaded):
                 at = (*path, "loaded", number)
                 yield resolve_load(done, name, _torque(name, signals, at), signals, at)

@@ -22,6 +22,7 @@ from pirate_sm.core._model.quantities import (
     Ratio,
     Torque,
 )
+from pirate_sm.core._model.robot.body import Body
 from pirate_sm.core.spelling import listed
 from pirate_sm.core.units import ANGLE, format_quantity, in_degrees
 
@@ -111,6 +112,7 @@ class Stalled(DoneWhen, Load):
         joints: Joints that must stand still, slower than ``still``.
         loaded: Joints that must bear the torque.
         still: The speed below which a joint stands still.
+        end_stop: The apex of a part that is nearer than this to its end stop touches no wall.
         for_s: How long all of it must hold.
     """
 
@@ -121,7 +123,14 @@ class Stalled(DoneWhen, Load):
     joints: Annotated[tuple[Name, ...], Field(min_length=1)]
     loaded: Annotated[tuple[Name, ...], Field(min_length=1)]
     still: Annotated[AngularSpeed, Field(gt=0)]
+    end_stop: Annotated[Angle, Field(ge=0)] = 0.0
     for_s: Annotated[Duration, Field(alias="for", ge=0)]
+
+    def stops(self, body: Body) -> list[tuple[str, float]]:
+        """Return each apex among the joints, and the angle that it must stay below, rad."""
+        apexes = {part.apex for part in body.parts.values()}.intersection(self.joints)
+        joints = [each for each in body.joints if each.name in apexes and self.end_stop]
+        return [(each.name, each.end_stop - self.end_stop) for each in joints]
 
     def in_words(self, angles: Mapping[str, str]) -> str:
         """Return when it is met, in words."""
@@ -130,9 +139,10 @@ class Stalled(DoneWhen, Load):
         which = "" if self.loaded == self.joints else f"{listed(self.loaded)} "
         load = f"{(self.share or 0.0) * 100:g} % of what its motor gives at its duty"
         load = load if self.torque is None else f"{self.torque:g} Nm"
+        off = f", an apex {in_degrees(self.end_stop)} off its end stop" if self.end_stop else ""
         return (
-            f"{listed(self.joints)} {stand} still, slower than {in_degrees(self.still)}/s, and "
-            f"{which}{bear} more than {load}{_lasting(self.for_s)}"
+            f"{listed(self.joints)} {stand} still, slower than {in_degrees(self.still)}/s{off}, "
+            f"and {which}{bear} more than {load}{_lasting(self.for_s)}"
             f"{self._or_weaker(' and what holds the robot there')}"
         )
 
