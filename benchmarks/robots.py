@@ -32,14 +32,15 @@ SHARE = 60 / 64
 STATIC_SHARE = 1.3
 DRAWN = (
     ("bend", "stall_torque", 0.5, 2.0, "Nm"),
-    ("bend", "no_load_speed", 0.36, 1.0, "rad/s"),
+    ("bend", "no_load_speed", 0.18, 0.72, "rad/s"),
     ("bend", "stiffness", 1.7, 4.0, "Nm/rad"),
     ("wheel", "stall_torque", 0.25, 0.45, "Nm"),
-    ("wheel", "no_load_speed", 2.5, 5.5, "rad/s"),
+    ("wheel", "no_load_speed", 3.1, 12.6, "rad/s"),
     ("wheel", "hold_torque", 0.1, 0.4, "Nm"),
     ("wheel", "dead_drag", 0.02, 0.1, "Nm"),
 )
-"""From where to where each number of a motor is drawn."""
+"""From where to where each number of a motor is drawn; speeds are those of 3 V to 12 V, where the
+profile assumes 6 V."""
 
 KINETIC = 0.3, 0.8
 END = TrueEnd(beyond=1.0)

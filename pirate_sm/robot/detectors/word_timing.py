@@ -27,7 +27,7 @@ from pirate_sm.robot.detectors.place_filter import (
 
 
 _OLDEST_S = 0.6
-"""A position older than this is unknown [decided]: at 0.1 m/s the robot is 60 mm farther."""
+"""A position older than this is unknown [decided]: at 0.15 m/s the robot is 90 mm farther."""
 
 
 class Tracker:
@@ -114,7 +114,7 @@ REPEAT_SHARE = 0.5
 """After this share of its validity a word that still holds is repeated."""
 
 LOOK_EVERY_S = 0.05
-"""At 0.1 m/s a robot travels 5 mm in this time."""
+"""At 0.15 m/s a robot travels 8 mm in this time."""
 
 SELDOM_S = 0.15
 """Where no word can begin or end before, looks are this far apart: a position is the median over
