@@ -36,7 +36,8 @@ from pirate_sm.lab.fitting.measurements import (
     read_measured,
     wheels_in,
 )
-from pirate_sm.lab.fitting.robot_numbers import load_signals, robot_numbers
+from pirate_sm.lab.fitting.motor_intervals import load_signals
+from pirate_sm.lab.fitting.robot_numbers import robot_numbers
 from pirate_sm.lab.fitting.twin_file import twin_text
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.reader import read_recording
@@ -50,7 +51,7 @@ SEEDS_FROM = 1000
 
 _LEAST_READINGS = 3
 _LEAST_SHARE = 0.5
-"""Of the robots that give the command, too: what becomes of fewer is another story."""
+"""Of the robots that send the command, too: fewer have taken another course."""
 
 LEAST_ROBOTS = 19
 """The 5 % position (k / (n + 1), Weibull) of fewer is below their least value."""

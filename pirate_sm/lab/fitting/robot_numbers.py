@@ -8,12 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pirate_sm.core.models import Motor, Profile, Slot
+from pirate_sm.core.models import Motor, Profile
 from pirate_sm.core.models import signals as kinds
 from pirate_sm.lab.fitting.measurements import (
     DRAWS,
@@ -25,130 +23,10 @@ from pirate_sm.lab.fitting.measurements import (
     estimate_of,
     has,
 )
+from pirate_sm.lab.fitting.motor_intervals import Intervals, duties, intervals_of, load_signals
 from pirate_sm.lab.fitting.traction_again import signals_with
 from pirate_sm.running.recording.tables import TIME
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.electronics import scale_of
-
-# --- what motors did -----------------------------------------------------------------------------
-
-
-_SETTLED_S = 0.3
-"""How long after a setpoint has changed it is surely active."""
-
-_UNEVEN = 0.2
-_LONGEST_S = 0.5
-"""Readings that lie farther apart say nothing of what was between them."""
-
-_DEVIATIONS = 1.4826
-"""Standard deviations in a median magnitude of what is normally distributed."""
-
-
-class Intervals(NamedTuple):
-    """Between two readings of a motor, at the same duty.
-
-    Attributes:
-        duty: −1 to 1.
-        rate: Of the motor at the joint or wheel, rad/s, positive with the duty.
-        load: Torque against the duty, Nm; of wheels, and at duty 0, its magnitude.
-        change: Between the two readings of the load, Nm.
-    """
-
-    duty: Floats
-    rate: Floats
-    load: Floats
-    change: Floats
-
-    @property
-    def noise_nm(self) -> float:
-        """Return the standard deviation of a reading of the load, from its median change."""
-        if not len(self.change):
-            return 0.0
-        return float(np.median(np.abs(self.change))) * _DEVIATIONS / 2**0.5
-
-
-def intervals_of(
-    measured: MeasuredFile, profile: Profile, name: str, motor: Motor
-) -> list[Intervals]:
-    """Return the intervals of every slot with this kind of motor that reports."""
-    slots = [slot for slot in profile.slots if slot.motor == name]
-    found = (_of_slot(measured, profile, slot, motor) for slot in slots)
-    return [each for each in found if each is not None]
-
-
-def _of_slot(
-    measured: MeasuredFile, profile: Profile, slot: Slot, motor: Motor
-) -> Intervals | None:
-    signals = load_signals(profile, slot)
-    if signals is None or slot.name not in measured.setpoints:
-        return None
-    angle_name, load_name, scale = signals
-    columns = measured.columns
-    angle = column(columns, angle_name)
-    load: Floats = np.multiply(column(columns, load_name), scale, dtype=np.float64)
-    known = np.isfinite(angle) & np.isfinite(load)
-    moved = (np.diff(np.nan_to_num(each)) != 0 for each in (angle, load))
-    fresh = np.concatenate([[True], np.logical_or(*moved)]) & known  # else another board's frame
-    times, angle, load = columns["time_s"][fresh], angle[fresh], load[fresh]
-    if motor.kind == "sprung_worm":
-        angle = np.add(angle, load / (motor.stiffness or np.inf), dtype=np.float64)
-    if len(times) < 4:
-        return None
-    duty = _duties(measured.setpoints, slot.name, times)
-    spans = np.diff(times)
-    good = (spans < _LONGEST_S) & np.isfinite(duty[1:]) & (duty[1:] == duty[:-1])
-    rate, change = np.diff(angle) / spans, np.diff(load)
-    load = _means(load, spans, good if motor.kind == "sprung_worm" else np.zeros_like(good))
-    # Which way an angle counts is the profile's business: a motor turns with its duty.
-    way = np.sign(np.sum((rate * duty[1:])[good])) or 1.0
-    turned = np.sign(duty[1:]) * way
-    if motor.kind == "geared":
-        load = np.abs(load)
-    else:
-        load = np.where(duty[1:] == 0, np.abs(load), load * turned)
-    rate = np.where(duty[1:] == 0, np.abs(rate), rate * turned)
-    return Intervals(np.abs(duty[1:][good]), rate[good], load[good], change[good])
-
-
-def _means(load: Floats, spans: Floats, good: NDArray[np.bool_]) -> Floats:
-    """Return the mean load of each interval, by the readings at its ends and next to them.
-
-    A spring is wound in a curve: the mean of the ends is too small. Where readings are evenly
-    spaced and ``good``, a cubic through four of them has the mean (13 (b + c) - a - d) / 24.
-    """
-    means: Floats = (load[1:] + load[:-1]) / 2
-    even = np.abs(np.diff(spans)) < _UNEVEN * spans[1:]
-    curved = good[1:-1] & good[:-2] & good[2:] & even[:-1] & even[1:]
-    cubic = (13 * (load[1:-2] + load[2:-1]) - load[:-3] - load[3:]) / 24
-    means[1:-1] = np.where(curved, cubic, means[1:-1])
-    return means
-
-
-def load_signals(profile: Profile, slot: Slot) -> tuple[str, str, float] | None:
-    """Return the signals with angle and load of a slot's motor, and Nm per unit of the load."""
-    if slot.wheel is not None:
-        wheel = next(each for each in profile.body.wheels if each.name == slot.wheel)
-        for each in profile.derived.values():
-            if isinstance(each, kinds.TorqueOf) and each.slot == slot.name:
-                return wheel.angle, each.torque_of, scale_of(each.scale)
-        return None
-    joint = next((each for each in profile.body.joints if each.name == slot.joint), None)
-    return (joint.name, joint.torque, 1.0) if joint is not None and joint.torque else None
-
-
-def _duties(setpoints: Columns, slot: str, times: Floats) -> Floats:
-    """Return the active duty at each time; NaN shortly after it has changed."""
-    sent, values = setpoints["time_s"], setpoints[slot]
-    changed = np.concatenate([[True], np.diff(values) != 0])
-    sent, values = sent[changed], values[changed]
-    at = np.searchsorted(sent, times, side="right") - 1
-    settled = (at >= 0) & (times - sent[np.maximum(at, 0)] > _SETTLED_S)
-    duties: Floats = np.where(settled, values[np.maximum(at, 0)], np.nan)
-    return duties
-
-
-# --- numbers -------------------------------------------------------------------------------------
-
 
 _MOVES_RAD_S = 0.1
 _MOVING_SHARE, _ROUNDS = 0.2, 4
@@ -163,15 +41,15 @@ _STATICS = 0.05
 one error of all parts, which have the same statics."""
 
 _QUIET = 2.0
-"""So many standard deviations a torque of rolling may be noise alone: nearly all of it is less."""
+"""A torque of rolling that is less than so many standard deviations may be noise alone."""
 
 _ROLLS = 0.5
 """A wheel that turns at less than this share of its speed without load does more than roll
 [assumed]."""
 
 _PRESSED = 0.3
-"""Error of the sum of normal forces by the statics of a chain that has driven: twice the 15 % that
-simulators may differ by [assumed]. Of one that stands it is a factor (docs/decisions/0123)."""
+"""Error of the sum of normal forces by statics, of a robot that has driven: twice the 15 % by which
+simulators may differ [assumed]. Before it has driven it may be a factor (docs/decisions/0123)."""
 
 _TURNED_RAD_S, _TURNED_SHARE = 0.3, 0.75
 """A wheel at duty 0 that turns faster is turned against its gears. It may have stood still for a
@@ -198,7 +76,7 @@ class RobotNumber:
     """A number of the robot.
 
     Attributes:
-        motor: Kind of motor; empty for friction, and for what no simulator takes.
+        motor: Kind of motor; empty for all that is not a number of a motor.
         key: Its key in the profile, or what it is.
         unit: Its SI unit.
         estimate: What the recording says.
@@ -284,10 +162,10 @@ def _motor_numbers(
 
 
 def clamp_threshold(all_: Intervals, stall: Estimate) -> Estimate:
-    """Return the share of what its motor gives that a standing joint bears nearly always.
+    """Return the share of its motor's torque that a standing joint nearly always bears.
 
-    A clamp that counts from a larger share on (`share` in a profile) may never be confirmed: in
-    the thesis joints bore 0.16 to 1.92 Nm where their motors should give 0.7 (section 7-1-1).
+    If `share` of a clamp in the profile is larger, the clamp may never be confirmed: in the
+    thesis joints bore 0.16 to 1.92 Nm where their motors should give 0.7 (section 7-1-1).
     """
     standing = (all_.duty > 0) & (all_.load > 0) & (np.abs(all_.rate) < _STANDS_RAD_S)
     if not stall.known:
@@ -445,12 +323,12 @@ def _weighted_median(rows: Floats) -> float:
 def _resisted(
     measured: MeasuredFile, profile: Profile, speeds: Mapping[str, float], quiet_nm: float
 ) -> Floats:
-    """Return rows of what resists rolling while all wheels drive, over their normal forces.
+    """Return rows of rolling resistance while all wheels drive, as a share of the normal forces.
 
-    At a constant speed the forces along the pipe add up to zero: the motors bear what resists, and
-    the weight, whose sign is another one on the way back. A current has no sign; the torque helps
-    where a wheel surely turns faster than without load. In a row: with the torques as read,
-    without those that may be noise, and which way it drives.
+    At a constant speed the forces along the pipe add up to zero: the motors bear the resistance and
+    the weight, and the weight changes its sign on the way back. Currents have no sign, so a torque
+    counts as negative where its wheel surely turns faster than without load. A row has the
+    resistance by all torques, by those that are more than noise, and the direction of driving.
     """
     columns, rows = measured.columns, []
     rates = {each.rate_of: name for name, each in profile.derived.items()
@@ -463,7 +341,7 @@ def _resisted(
             return np.empty((0, 3))
         if not has(columns, [normal]):
             return np.empty((0, 3))
-        duty = _duties(measured.setpoints, slot.name, columns[TIME])
+        duty = duties(measured.setpoints, slot.name, columns[TIME])
         duty = np.where(duty == 0, np.nan, duty)
         share = np.abs(column(columns, rates[found[0]])) / speeds[slot.motor] / np.abs(duty)
         torque = np.abs(column(columns, found[1])) * abs(found[2]) * np.where(share < 1, 1, -1)
@@ -479,7 +357,7 @@ def _resisted(
 
 
 def rolling_resistance(rows: Floats, stream: int = 0) -> Estimate:
-    """Return the mean of both ways; unknown where it is no more than the noise of currents."""
+    """Return the mean of both directions; unknown if it may be the noise of currents."""
     if len(np.unique(rows[:, 2])) < 2:
         return Estimate(reason=_ONE_WAY)
     read, quiet = (_estimate(rows[:, [place, 2]], _both_ways, _ONE_WAY, stream) for place in (0, 1))

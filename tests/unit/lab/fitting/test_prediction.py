@@ -21,36 +21,11 @@ from pirate_sm.lab.fitting.prediction import (
     widening,
 )
 
-MISSION = """
-format: 1
-mission: back_and_forth
-robot: pirate_ii
-pipe: {diameter: 113 mm, segments: [{straight: 8 m}], start: {at: 4 m}}
-start: move
-phases:
-  move:
-    do:
-      - ClampFront
-      - ClampRear
-      - DriveForward
-      - wait: [{after: 2 s}]
-      - Brake
-      - RelaxRear
-      - ClampRear
-      - DriveBackward
-      - wait: [{after: 2 s}]
-      - Brake
-    go: done
-ends: {done: {succeed: There and back}}
-"""
-
 
 @pytest.fixture(scope="module")
-def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("prediction")
-    (folder / "mission.yaml").write_text(MISSION)
-    file = folder / "run.mcap"
-    pirate_sm.run(str(folder / "mission.yaml"), ruler=True, record=file)
+def recording(tmp_path_factory: pytest.TempPathFactory, back_and_forth: Path) -> Path:
+    file = tmp_path_factory.mktemp("prediction") / "run.mcap"
+    pirate_sm.run(str(back_and_forth), ruler=True, record=file)
     return file
 
 

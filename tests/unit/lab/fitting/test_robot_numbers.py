@@ -11,8 +11,8 @@ from pirate_sm.lab.fitting.measurements import (
     estimate_of,
     read_measured,
 )
+from pirate_sm.lab.fitting.motor_intervals import Intervals
 from pirate_sm.lab.fitting.robot_numbers import (
-    Intervals,
     RobotNumber,
     clamp_threshold,
     driven,
@@ -35,27 +35,6 @@ robot: pirate_ii
 motors:
   wheel: {no_load_speed: 3.4 rad/s, stall_torque: 260 mNm, hold_torque: 90 mNm}
   bend: {no_load_speed: 0.8 rad/s, stall_torque: 0.9 Nm}
-"""
-
-BACK_AND_FORTH = """
-format: 1
-mission: drive
-robot: pirate_ii
-pipe: {diameter: 113 mm, segments: [{straight: 8 m}], start: {at: 4 m}}
-start: move
-phases:
-  move:
-    do:
-      - ClampFront
-      - ClampRear
-      - DriveForward
-      - wait: [{after: 4 s}]
-      - Brake
-      - DriveBackward
-      - wait: [{after: 4 s}]
-      - Brake
-    go: done
-ends: {done: {succeed: There and back}}
 """
 
 
@@ -374,12 +353,12 @@ def test_rolling_resistance_is_the_mean_of_both_ways_and_no_noise_of_currents() 
 
 
 @pytest.mark.thorough
-def test_a_robot_that_drives_both_ways_shows_its_rolling_resistance(tmp_path: Path) -> None:
-    twin, mission = tmp_path / "true.yaml", tmp_path / "drive.yaml"
+def test_a_robot_that_drives_both_ways_shows_its_rolling_resistance(
+    tmp_path: Path, back_and_forth: Path
+) -> None:
+    twin, run = tmp_path / "true.yaml", tmp_path / "run.mcap"
     twin.write_text("format: 1\nrobot: pirate_ii\ntyre: {rolling_resistance: 0.03}\n")
-    mission.write_text(BACK_AND_FORTH)
-    run = tmp_path / "run.mcap"
-    pirate_sm.run(str(mission), twin=str(twin), record=run)
+    pirate_sm.run(str(back_and_forth), twin=str(twin), record=run, set={"each_way": "4 s"})
     measured = read_measured(run)
     assert measured.profile is not None
 
