@@ -6,11 +6,11 @@ Both are given the same setpoints from the same state, in the plane and in space
 it prints the sum of the normal forces in both, between which values statics allow it
 (:mod:`benchmarks.force_intervals`; unknown where the floor drags on a wheel that touches no wall),
 by how much of the greatest force a wheel of the one differs from that of the other, and how far
-apart are the way driven and the joints' angles. MuJoCo is asked twice: as the backend is, whose
-friction creeps, and with its solver for friction that does not. Where the robot has rolled since
-its clamps closed, friction points where the wheels came from, and this second answer must have the
-same forces. Where it has not, friction keeps what closing has locked in, and both must lie in the
-interval: MuJoCo's own two answers are as far apart as the simulators. Then, second by second, how a
+apart are the distance driven and the joints' angles. MuJoCo runs twice: as in the backend, whose
+friction creeps, and with its solver for friction that does not creep. Where the robot has rolled
+since its clamps closed, friction acts against the rolling, and the second result must have the same
+forces. Where it has not, friction keeps what closing has locked in, and all must lie in the
+interval: MuJoCo's two results are as far apart as the simulators. Then, second by second, how a
 robot that has clamped on the floor of a round pipe reaches its axis.
 """
 
@@ -38,13 +38,13 @@ MOST_FORCE, MOST_WAY, MOST_ANGLE = 0.15, 0.05, 0.05
 _OUTSIDE = 0.02
 """By this share a force may lie outside its interval: forces are those of a world that moves."""
 WORLDS: tuple[MakePhysics, MakePhysics] = (kinematic, MujocoWorld)
-_UNCREEPING = 3
-"""So many iterations of MuJoCo's solver without slip; ten give the same forces within 4 %."""
+_NOSLIP_ITERATIONS = 3
+"""Iterations of MuJoCo's solver without creep; ten give the same forces within 4 %."""
 SECTIONS: tuple[Section, ...] = ("bars", "round")
 FRONT, REAR = {1: -0.5, 2: 0.5}, {3: -0.5, 4: 0.5}
 CLOSING_RAD = 3.0
-"""As long as a motor of a joint turns so far, without load and at full duty, a clamp may close, and
-a leaning robot drives before it is compared: its Vs open as it comes to the axis."""
+"""A clamp may close for as long as the motor of a joint takes to turn so far, at full duty without
+load. A leaning robot drives as long before it is compared: its Vs open as it reaches the axis."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def histories(chain: ChainBody) -> tuple[History, ...]:
     """Return what is compared.
 
     A robot that has clamped on the floor of a round pipe leans. MuJoCo's wheels are spheres that do
-    not creep aside: how far such a robot goes until it is on the axis is not compared, but printed.
+    not creep aside, so the distance that such a robot takes to the axis is printed, not compared.
     """
     loose, ahead, held = from_loose(chain), Step(3.0, CLAMPED, 1.0), Step(1.0, CLAMPED)
     centred = (*loose, Step(closing(chain), CLAMPED, 1.0))
@@ -142,7 +142,7 @@ def main() -> int:
         where = "the plane" if section == "bars" else "space"
         print(f"In {where}: sum of normal forces kinematic, MuJoCo, MuJoCo without creep; apart by")
         for history in histories(chain):
-            ends = [end_of(make, chain, section, history) for make in (*WORLDS, uncreeping)]
+            ends = [end_of(make, chain, section, history) for make in (*WORLDS, without_creep)]
             (force, way, angle), (dry, _, _) = (apart(ends[0], other) for other in ends[1:])
             holds = way <= MOST_WAY and angle <= MOST_ANGLE
             holds &= all(each.inside for each in ends[: len(WORLDS)])
@@ -165,10 +165,10 @@ def _in_words(it: Ended) -> str:
     return f"{it.press_n.sum():5.1f} N ({allowed})"
 
 
-def uncreeping(*args: Any) -> MujocoWorld:
+def without_creep(*args: Any) -> MujocoWorld:
     """Return a world of MuJoCo in which wheels that hold do not creep."""
     world = MujocoWorld(*args)
-    world.model.opt.noslip_iterations = _UNCREEPING
+    world.model.opt.noslip_iterations = _NOSLIP_ITERATIONS
     return world
 
 

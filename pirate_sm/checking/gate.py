@@ -35,7 +35,7 @@ _OF_BENDS = frozenset({"word.never"})
 
 
 _CHECKED: Final[deque[tuple[LoadedMission, tuple[Finding, ...]]]] = deque(maxlen=8)
-"""The latest missions and what was found in them: a program runs the same few again and again."""
+"""The last missions checked, with their findings: a program runs the same few repeatedly."""
 
 
 def pass_or_raise(loaded: LoadedMission, *, words_of_bends: bool = True) -> tuple[Finding, ...]:
@@ -63,7 +63,7 @@ def pass_or_raise(loaded: LoadedMission, *, words_of_bends: bool = True) -> tupl
 
 
 def _found_in(loaded: LoadedMission) -> tuple[Finding, ...]:
-    """Return what the check finds in a mission, which is not explored again if it is known."""
+    """Return what the check finds in a mission; one that was just checked is not explored again."""
     for known, found in tuple(_CHECKED):
         if _same(known, loaded):
             return found
@@ -73,7 +73,7 @@ def _found_in(loaded: LoadedMission) -> tuple[Finding, ...]:
 
 
 def _same(one: LoadedMission, other: LoadedMission) -> bool:
-    """Return whether two missions are the same; each has a robot of its own, alike or not."""
+    """Return whether two missions are equal, their robots too, which are compared by value."""
     robots = ([getattr(it.robot, each.name) for each in fields(it.robot)] for it in (one, other))
     return replace(one, robot=other.robot) == other and next(robots) == next(robots)
 

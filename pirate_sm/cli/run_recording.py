@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.settings import BUILT_IN, SettingValue, runs, unusable_runs
-from pirate_sm.core.companion import UsualCompanion
+from pirate_sm.core.companion import CompanionBase
 from pirate_sm.core.effects import Log
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.library import shown
@@ -193,7 +193,7 @@ def until_when(recorder: Recorder) -> str:
     return f"the recording holds until {recorder.kept_s:.3f} s and ends there: {recorder.failure}"
 
 
-class Warner(UsualCompanion):
+class Warner(CompanionBase):
     """A companion that warns once if the recording has ended before the run."""
 
     def __init__(self, recorder: Recorder) -> None:

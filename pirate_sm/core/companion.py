@@ -40,11 +40,10 @@ class Companion(Protocol):
         """Return the events due now, often none, and advance ``due_s``."""
 
 
-class UsualCompanion:
-    """What most companions do: wait for no person, ignore effects, say nothing.
+class CompanionBase:
+    """A companion that waits for no operator, ignores effects and sends no events.
 
-    A companion that derives from it has its own :attr:`Companion.due_s`, and does something else
-    where it has to.
+    Subclasses have :attr:`Companion.due_s` and override what they need.
     """
 
     listening: bool = False

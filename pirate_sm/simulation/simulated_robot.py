@@ -127,8 +127,8 @@ class SimulatedRobot:
         gone: Whether it has left the pipe for good.
         left_pipe: The fault of a robot that has left its pipe; None of one in it.
         cycles: How many cycles have passed.
-        arcs: Where the wheels are along the pipe, m, in the array of the physics.
-        time_s: The time that the surroundings go by.
+        arcs: Positions of the wheels along the pipe, m; a view of the array of the physics.
+        time_s: The time by which the surroundings change.
 
     Raises:
         UsageError: The robot does not fit into the pipe, the pipe intersects itself, or the
@@ -258,7 +258,7 @@ class SimulatedRobot:
 
         Args:
             cycles: How many cycles have passed.
-            time_s: The time that the surroundings go by.
+            time_s: The time by which the surroundings change.
             frames: The frames in that time.
             last: One more frame after them, if any.
         """

@@ -1,4 +1,4 @@
-"""How a simulated robot stood when a recording was cut off; an order of a run needs no NumPy."""
+"""The pose of a simulated robot at the end of a recording; this module does not need NumPy."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from pirate_sm.core.geometry import Vector
 
 
 class Standing(NamedTuple):
-    """How a simulated robot stood when a recording was cut off.
+    """The pose of a simulated robot at the end of an interrupted recording.
 
     Attributes:
         places_m: Centre of each wheel.
-        bends_rad: Angle of each driven joint of the body; ``torques_nm`` what its spring bears.
-        values: The setpoints that hold it.
+        bends_rad: Angle of each driven joint of the body; ``torques_nm``: the torque of its spring.
+        values: The setpoints that hold the robot.
         at_s: Time since the run began.
         rolls_rad: The angle of the roll joint, and the rolls of the parts ahead and behind against
             the pipe where they are.

@@ -16,7 +16,7 @@ def test_belief_in_a_clamp_needs_no_motor_as_strong_as_assumed(run, tmp_path, mi
     assert record.ended.outcome == "succeeded", record.ended.message
 
 
-def test_belief_in_a_clamp_at_its_end_stop_lets_nobody_release_the_other_part(run, tmp_path):
+def test_belief_in_a_clamp_at_its_end_stop_does_not_release_the_other(run, tmp_path):
     """The front of a robot whose joints turn faster comes to rest in the mouth of the bend."""
     twin = tmp_path / "twin.yaml"
     motors = "{bend: {no_load_speed: 1 rad/s}}"

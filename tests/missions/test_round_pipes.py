@@ -72,7 +72,7 @@ def test_a_robot_that_is_stuck_at_a_step_clamps_gently_and_drives_the_rest_of_it
 
 
 @pytest.mark.parametrize(("seed", "friction"), [(0, 0.5), (2, 0.7), (4, 0.5), (6, 0.5)])
-def test_a_way_over_a_step_in_an_upright_pipe_is_as_long_as_it_is_said_to_be(
+def test_a_distance_over_a_step_in_an_upright_pipe_is_true(
     tmp_path: Path, seed: int, friction: float
 ) -> None:
     pipe = pipe_of(STEP, tmp_path)

@@ -275,7 +275,7 @@ def test_boards_that_repeat_their_values_for_a_tenth_of_a_second_stop_no_mission
     assert record.ended.outcome == "succeeded", record.ended.message
 
 
-def test_a_bend_that_is_not_there_ends_the_bend_mission(run, tmp_path):
+def test_the_bend_mission_ends_where_there_is_no_bend(run, tmp_path):
     text = library.find_pipe("straight_113").read_text("utf-8")
     pipe = tmp_path / "longer.yaml"
     pipe.write_text(text.replace("1.135 m", "2 m"), "utf-8")

@@ -102,7 +102,7 @@ def slippery(folder: Path) -> Path:
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("way", [1, -1], ids=["up", "down"])
-def test_driving_upright_forces_are_right_within_6_percent_and_their_mean_within_4(upright, way):
+def test_forces_driving_upright_are_within_6_percent_and_their_mean_4(upright, way):
     samples = [each.where(lambda s: way * s["body_speed"] > 0.08)[5:] for each in upright]
 
     assert min(map(len, samples)) > 20

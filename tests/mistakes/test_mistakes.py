@@ -125,7 +125,7 @@ def test_a_safe_edit_removes_its_finding_and_causes_no_other(
 @pytest.mark.thorough
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("file", FILES)
-def test_so_does_each_safe_edit_of_the_corpus(file: str, tmp_path: Path) -> None:
+def test_safe_edits_of_the_corpus_do_too(file: str, tmp_path: Path) -> None:
     for name, case in mistakes(file).items():
         folder = tmp_path / name
         folder.mkdir()

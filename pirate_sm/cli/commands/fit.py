@@ -44,10 +44,10 @@ if TYPE_CHECKING:
 NOTHING = 1
 
 _OF_CURVES = ("slip", "friction", "torque", "normal", "radius", "threshold")
-"""Options that say nothing of a robot."""
+"""Options for curves of slip and friction alone."""
 
-_SEEN = 0.05
-"""A number that narrows by less is not named; a file has all."""
+_LEAST = 0.05
+"""Numbers that narrow by less are not printed; files have them all."""
 
 _PREDICTED_HEADER = ("kind", "board", "command", "place", "nth", "from_s", "low", "high",
                      "recorded", "held")  # fmt: skip
@@ -88,10 +88,10 @@ def run_fit(options: FitOptions) -> int:
 
 
 def _refuse_unfitting(options: FitOptions) -> None:
-    """Refuse options for another question than the one that is asked.
+    """Refuse options that do not go together.
 
     Raises:
-        UsageError: There is one.
+        UsageError: There are such options.
     """
     of_curves = [
         f"--{each.name}"
@@ -101,7 +101,7 @@ def _refuse_unfitting(options: FitOptions) -> None:
     if options.robot and of_curves:
         raise UsageError(f"{', '.join(of_curves)}: only for slip and friction, without --robot")
     if options.predict and options.advise:
-        raise UsageError("--predict and --advise are two questions: ask one after the other")
+        raise UsageError("--predict and --advise cannot be given together")
 
 
 def _measured(runs: Sequence[str]) -> list[MeasuredFile]:
@@ -271,7 +271,7 @@ def _predict(options: FitOptions) -> int:
 
     robots = ROBOTS if options.robots is None else options.robots
     if robots < LEAST_ROBOTS:
-        raise UsageError(f"--robots {robots} are too few to predict: {LEAST_ROBOTS} at least")
+        raise UsageError(f"--robots {robots} are too few to predict: give at least {LEAST_ROBOTS}")
     with progress("simulating") as watch:
         made = predict(Path(options.runs[0]), robots, options.workers, watch)
     found = made.predicted
@@ -307,7 +307,7 @@ def _predict(options: FitOptions) -> int:
 
 
 def _advise(options: FitOptions) -> int:
-    """Print what each shipped mission is expected to tell of the robot; return the exit code.
+    """Print how much each shipped mission is expected to show; return the exit code.
 
     Raises:
         RecordingError: A recording cannot be read.
@@ -335,16 +335,16 @@ def _advise(options: FitOptions) -> int:
         return 0
     for one in advised.missions:
         numbers = sorted(one.narrower.items(), key=lambda item: -item[1].mean)
-        shown = [f"{name} by {share.mean:.0%}" for name, share in numbers if share.mean >= _SEEN]
+        shown = [f"{name} by {share.mean:.0%}" for name, share in numbers if share.mean >= _LEAST]
         gain = f"{one.bits.mean:5.2f} ± {one.bits.error:.2f} bits"
         ends = f"{one.takes_s:5.0f} s, {one.succeeded} of {one.robots} succeed"
         print(visible(f"{gain}  {one.mission:<26} {ends}; narrows {', '.join(shown) or 'nothing'}"))
     for mission, reason in advised.left_out.items():
         print(visible(f"left out  {mission}: {reason}"))
     count = f"{advised.rejected} of {advised.rejected + advised.robots}"
-    print(f"rejected  {count} robots: they end a recorded mission in another way")
+    print(f"rejected  {count} robots: they end a recorded mission differently")
     if advised.unchecked:
-        print(visible(f"a recording rejects no robot: {advised.unchecked}"))
+        print(visible(f"not all recordings could reject robots: {advised.unchecked}"))
     return 0
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pirate_sm.checking.reports.check_report import Nearly, Rehearsal, Rehearse, RehearsedRun
 from pirate_sm.cli.errors import say
-from pirate_sm.core.companion import UsualCompanion
+from pirate_sm.core.companion import CompanionBase
 from pirate_sm.core.effects import Effect, TriggerFired, WaitArmed
 from pirate_sm.core.engine import has_come
 from pirate_sm.core.errors import ExitCode, UsageError
@@ -138,7 +138,7 @@ class _Early:
                     self.found[trigger.place] = trigger.condition.text
 
 
-class _Patience(UsualCompanion):
+class _Patience(CompanionBase):
     """A companion that stops a run that does not end by itself."""
 
     def __init__(self, requests: StopRequests) -> None:
@@ -185,7 +185,7 @@ def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> l
     return way.stops
 
 
-class _EndOfCourse(UsualCompanion):
+class _EndOfCourse(CompanionBase):
     """A companion that stops a run when its event sequence is over."""
 
     due_s = inf

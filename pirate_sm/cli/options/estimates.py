@@ -61,11 +61,11 @@ class FitOptions(CommandOptions):
         "With --robot: fit the first half of a recording and predict the second.", "--predict"
     )
     advise: bool = flag(
-        "With --robot: which shipped mission to record next, by what it is expected to tell.",
+        "With --robot: list shipped missions by what a recording is expected to show.",
         "--advise",
     )
     robots: int | None = typed(
-        "Robots that predict, 64 unless given, 19 at least; that run each mission to advise, 4.",
+        "Robots to simulate (default: 64 for --predict, at least 19; 4 for --advise).",
         min=2, max=200, metavar="N",
     )  # fmt: skip
     workers: int | None = typed("Processes that simulate; one each processor.", min=1, metavar="N")

@@ -91,13 +91,13 @@ def held_force_intervals(
 
 
 def _between(metres_per_rad: float, torque_nm: float, doubt_nm: float) -> tuple[float, float]:
-    """Return the least and the greatest force along the pipe of a torque that is known so well."""
+    """Return the least and the greatest force along the pipe, by a torque and its error."""
     force_n, doubt_n = torque_nm / metres_per_rad, doubt_nm / abs(metres_per_rad)
     return force_n - doubt_n, force_n + doubt_n
 
 
 def _loose(wheel: int, link: int, side: Vector) -> tuple[Touch, ...]:
-    """Return the touches of a wheel that bears what it must across the pipe, either way."""
+    """Return touches by which a wheel bears any force across the pipe, and none along it."""
     ways = (side, crossed(side, DRAWING.ahead))
     return tuple(
         Touch(wheel, link, scaled(sign, way), DRAWING.ahead, (0.0, 0.0), 0.0)

@@ -55,19 +55,9 @@ class EnvironmentReport(NamedTuple):
     valid; what it does not know the engine goes on deriving.
 
     Attributes:
-        segment: ``Out``, ``Straight`` or ``Joint`` (thesis section 4-3-2); empty is unknown.
-        roll_rad: Roll of the robot about the axis of the pipe, against the horizontal; NaN is
-            unknown, as for the others.
-        pitch_rad: Pitch of the pipe's axis, positive where it climbs ahead of the robot.
-        diameter_m: Inner diameter, h + 2r (thesis eq. 3-2).
+        segment: See :class:`pirate_sm.core.effects.Environment`, also for all other fields but the
+            next.
         valid_for_s: How long it is valid, or until the next report; infinite: until then.
-        joint: As the next fields, see :class:`pirate_sm.core.effects.Environment`.
-        junction: Name of the junction.
-        opening_roll_rad: Direction of the opening.
-        distance_m: Distance to the joint.
-        diameter_ahead_m: Inner diameter behind the joint.
-        run: Name of the run.
-        arc_m: Place along the route.
     """
 
     segment: str

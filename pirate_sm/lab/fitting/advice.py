@@ -1,13 +1,13 @@
 """Says which shipped mission, recorded next, would narrow the sample of a robot most.
 
-This is Bayesian experimental design: what counts is the expected information gain of a mission
+This is Bayesian experimental design: missions are compared by their expected information gain
 (Lindley 1956, "On a measure of the information provided by an experiment"; Chaloner and Verdinelli
 1995, "Bayesian experimental design: a review"), by nested Monte Carlo (Ryan 2003, "Estimating
-expected information gains for experimental designs"). Outside, robots of the sample run the
-mission. Inside, each of their recordings is fitted and its draws are averaged with those at hand,
-by their precision. The new sample is compared with the old one: both are taken as normal in the
-logarithms of their numbers, where the gain is half the logarithm of the ratio of determinants
-(Bayesian D-optimality).
+expected information gains for experimental designs"). In the outer loop robots of the sample run
+the mission. In the inner one each of their recordings is fitted, and its draws are averaged with
+those of the given recordings, weighted by precision. The new sample is compared with the old one:
+both are taken as normal in the logarithms of their numbers, so the gain is half the logarithm of
+the ratio of determinants (Bayesian D-optimality).
 """
 
 from __future__ import annotations
@@ -45,23 +45,23 @@ ROBOTS = 4
 """Robots that run each mission."""
 
 _DRAWN = 8
-"""So many robots are drawn at most for each that runs."""
+"""At most so many robots are drawn for each that runs."""
 
-_OF_MISSIONS = ("succeeded", "failed")
-"""Ends that depend on the robot: an operator's and a fault's do not."""
+_COMPARED = ("succeeded", "failed")
+"""Outcomes by which robots are rejected: not those of an operator or a fault."""
 
 _STREAMS_FROM = 1000
-"""Streams of the stretches that are drawn of simulated recordings: the recording at hand has 0."""
+"""Random streams of simulated recordings; the given recordings have stream 0."""
 
 _AGAIN_FROM = 2 * SEEDS_FROM
-"""The seeds of the recorded mission for the choice of robots, which are not those of advice."""
+"""The first seed of the runs that choose robots; the runs for advice have other seeds."""
 
 _KNOWN_WITHIN = 0.01
-"""A number is as good as known within this share: nothing is gained by less [assumed; fits err by
-up to 2.8 %, docs/measurements.md]."""
+"""A number counts as known within this share; to narrow it further gains nothing [assumed; fits err
+by up to 2.8 %, docs/measurements.md]."""
 
 _TINY = 1e-12
-"""A variance of draws that are all alike."""
+"""Added to variances: draws may be all equal."""
 
 
 class MeanGain(NamedTuple):
@@ -72,7 +72,7 @@ class MeanGain(NamedTuple):
 
 
 class MissionAdvice(NamedTuple):
-    """What recording a mission is expected to tell.
+    """What a recording of a mission is expected to show.
 
     Attributes:
         mission: Its name.
@@ -97,14 +97,14 @@ class MissionAdvice(NamedTuple):
 
 
 class AdvisedMissions(NamedTuple):
-    """What each mission is expected to tell.
+    """What recordings of missions are expected to show.
 
     Attributes:
         missions: In order.
-        left_out: Why a mission cannot be advised, by its name.
+        left_out: Why a mission has no advice, by its name.
         robots: How many robots ran the missions.
-        rejected: How many did not, as they ended a recorded mission in another way.
-        unchecked: Why a recording rejected none; empty if all could have.
+        rejected: How many did not, since they ended a recorded mission differently.
+        unchecked: Why a recording could not reject robots; empty if all could.
     """
 
     missions: list[MissionAdvice]
@@ -114,8 +114,8 @@ class AdvisedMissions(NamedTuple):
     unchecked: str
 
 
-class _Told(NamedTuple):
-    """What the run of one robot tells, as in :class:`MissionAdvice`."""
+class _RunGain(NamedTuple):
+    """What the run of one robot shows, as in :class:`MissionAdvice`."""
 
     bits: float
     narrower: Mapping[str, float]
@@ -130,19 +130,18 @@ def advise(
     workers: int | None,
     watch: Callable[[float], None],
 ) -> AdvisedMissions:
-    """Return what each mission is expected to tell.
+    """Return what recordings of missions are expected to show.
 
-    A robot of the sample counts only if it ends the recorded missions as they ended: assumed
-    numbers are drawn from far more than such a robot can have. That is one draw of a likelihood
-    (Tavaré, Balding, Griffiths and Donnelly 1997, "Inferring coalescence times from DNA sequence
-    data": rejection sampling).
+    A robot of the sample counts only if it ends the recorded missions as they ended, since assumed
+    numbers are drawn from a wide range. This is rejection sampling (Tavaré, Balding, Griffiths and
+    Donnelly 1997, "Inferring coalescence times from DNA sequence data").
 
     Args:
         measured: Recordings of the robot, all of them.
         missions: Files of missions, each to be loaded with the recorded robot.
         robots: How many robots of the sample run each, two at least; fewer if too few are left.
         workers: How many processes simulate; None for one each processor.
-        watch: Takes the share that is done.
+        watch: Called with the share that is done.
 
     Raises:
         UsageError: No robot is possible after these recordings, or none can run a mission.
@@ -153,7 +152,7 @@ def advise(
     numbers = robot_numbers(measured)
     sample = sample_of(profile, numbers, _DRAWN * robots)
     if sample is None:
-        raise UsageError("nothing is known or assumed of this robot that a mission could tell")
+        raise UsageError("no number of this robot is known or assumed: nothing can be narrowed")
     with TemporaryDirectory(prefix="advised-") as folder:
         twin = Path(folder) / "twin.yaml"
         twin.write_text(twin_text(profile, numbers, recording.name, _DRAWN * robots), "utf-8")
@@ -162,14 +161,14 @@ def advise(
         robots = len(chosen)
         header = read_recording(recording).header
         robot = write_robot(header, Path(folder))
-        job = partial(_told, profile, header, robot, numbers, twin, missions, chosen)
+        job = partial(_gain_of, profile, header, robot, numbers, twin, missions, chosen)
         runs = list(in_processes(job, range(len(missions) * robots), workers, watch))
     found, left_out = list[MissionAdvice](), dict[str, str]()
     for number, mission in enumerate(missions):
         of_mission = runs[number * robots : (number + 1) * robots]
-        told = [each for each in of_mission if isinstance(each, _Told)]
-        if len(told) > 1:
-            found.append(_advice(mission.stem, told))
+        gains = [each for each in of_mission if isinstance(each, _RunGain)]
+        if len(gains) > 1:
+            found.append(_advice(mission.stem, gains))
         else:
             left_out[mission.stem] = next(each for each in of_mission if isinstance(each, str))
     if not found:
@@ -208,11 +207,11 @@ def _chosen(
 
 
 def _ends_differently(ends: Sequence[tuple[Path, str]], twin: Path, number: int) -> bool | str:
-    """Return whether a robot ends a mission in another way, or why that cannot be known."""
+    """Return whether a robot ends a recorded mission differently, or why that is unknown."""
     unchecked = ""
     for path, outcome in ends:
-        if outcome not in _OF_MISSIONS:
-            unchecked = "the recorded mission came to no end of its own"
+        if outcome not in _COMPARED:
+            unchecked = "the recorded mission was stopped or ended in a fault"
             continue
         try:
             with simulated_again(path, twin, number, _AGAIN_FROM) as (run, _):
@@ -224,21 +223,21 @@ def _ends_differently(ends: Sequence[tuple[Path, str]], twin: Path, number: int)
 
 
 def in_order(found: Sequence[MissionAdvice], robots: int) -> list[MissionAdvice]:
-    """Return first what all robots pass, then the others, each by what it tells.
+    """Return first the missions that all robots pass, then the others, both by their gain.
 
-    A failure tells much, but a robot in a pipe fails by falling.
+    A failure shows much, but a robot in a pipe fails by falling.
     """
     return sorted(found, key=lambda each: (each.succeeded < robots, -each.bits.mean))
 
 
-def _advice(mission: str, told: Sequence[_Told]) -> MissionAdvice:
+def _advice(mission: str, gains: Sequence[_RunGain]) -> MissionAdvice:
     return MissionAdvice(
         mission,
-        _expected([each.bits for each in told]),
-        {name: _expected([each.narrower[name] for each in told]) for name in told[0].narrower},
-        float(np.mean([each.takes_s for each in told])),
-        sum(each.succeeded for each in told),
-        len(told),
+        _expected([each.bits for each in gains]),
+        {name: _expected([each.narrower[name] for each in gains]) for name in gains[0].narrower},
+        float(np.mean([each.takes_s for each in gains])),
+        sum(each.succeeded for each in gains),
+        len(gains),
     )
 
 
@@ -246,7 +245,7 @@ def _expected(values: Sequence[float]) -> MeanGain:
     return MeanGain(float(np.mean(values)), float(np.std(values, ddof=1)) / len(values) ** 0.5)
 
 
-def _told(
+def _gain_of(
     profile: Profile,
     header: RunHeader,
     robot: Path,
@@ -255,25 +254,25 @@ def _told(
     missions: Sequence[Path],
     robots: Sequence[int],
     number: int,
-) -> _Told | str:
-    """Return what a mission tells of one robot, or why it cannot be run."""
+) -> _RunGain | str:
+    """Return what a mission shows of one robot, or why it cannot be run."""
     mission, robot_of = divmod(number, len(robots))
     try:
         loaded = load_mission(missions[mission], robot=str(robot), fitted=recorded_fit(header))
         with simulated(loaded, header, twin, robots[robot_of]) as (run, new):
-            told = gained(profile, numbers, robot_numbers([new], _STREAMS_FROM + robots[robot_of]))
+            gain = gained(profile, numbers, robot_numbers([new], _STREAMS_FROM + robots[robot_of]))
     except PirateError as error:
         return str(error).splitlines()[0]
-    return _Told(*told, float(new.columns[TIME][-1]), run.outcome == "succeeded")
+    return _RunGain(*gain, float(new.columns[TIME][-1]), run.outcome == "succeeded")
 
 
 def gained(
     profile: Profile, known: Sequence[RobotNumber], new: Sequence[RobotNumber]
 ) -> tuple[float, dict[str, float]]:
-    """Return how many bits two fits know more than the first, and how each number narrows."""
-    told = {(each.motor, each.key): each.estimate for each in new}
+    """Return how many bits a second fit adds to the first, and how each number narrows."""
+    added = {(each.motor, each.key): each.estimate for each in new}
     both = [
-        replace(one, estimate=_averaged(one.estimate, told.get((one.motor, one.key), Estimate())))
+        replace(one, estimate=_averaged(one.estimate, added.get((one.motor, one.key), Estimate())))
         for one in known
     ]
     old = _logarithms(profile, known)
@@ -286,9 +285,9 @@ def gained(
 
 
 def _averaged(one: Estimate, other: Estimate) -> Estimate:
-    """Return what two recordings say, the means of their draws, each with its precision.
+    """Return what two recordings say: the means of their draws, weighted by precision.
 
-    An error of the method has the same draws in both and stays: it is no smaller in their mean.
+    Errors of the method have the same draws in both, so they are not averaged out.
     """
     if not (one.known and other.known):
         known = one if one.known else other

@@ -322,7 +322,7 @@ def estimate_of(
         rows: What was measured, in the order of time.
         statistic: Returns the value that some of it gives; NaN if none.
         shortest: How many rows a stretch has at least.
-        stream: Of the stretches that are drawn, another for each run that is compared.
+        stream: Of the random stretches; runs that are compared have different ones.
     """
     random = np.random.default_rng(stream)
     stretches = np.array_split(rows, min(_STRETCHES, len(rows) // shortest))

@@ -1,4 +1,4 @@
-"""Derives the traction of a recording once more, as if the robot's motors were others.
+"""Recomputes the traction of a recording for other motors.
 
 The sign of a wheel's torque, and with it the normal forces, follow from the speed without load. A
 profile that assumes it a fifth too small makes friction a fifth too small.
@@ -22,7 +22,7 @@ from pirate_sm.running.recording.tables import TIME
 
 
 def signals_with(path: Path, motors: Mapping[str, Motor]) -> Columns | None:
-    """Return the signals of a recording once in a round, with those of traction recomputed.
+    """Return the signals of a recording once in a round, with traction recomputed.
 
     What the mission did stays as it was recorded.
 
@@ -61,9 +61,9 @@ def signals_with(path: Path, motors: Mapping[str, Motor]) -> Columns | None:
             if slipping is not None:
                 sensing = sensing._replace(traction=sensing.traction._replace(slipping=slipping))
             at, around, now_s = body.configuration, state.surveyed.reported, each.at_s + origin_s
-            anew = with_traction(robot, motors_spec, sensing, body.values, at, around, now_s)
-            slipping = anew.traction.slipping
-            rows.append((each.at_s, *anew.numbers[: len(robot.vocabulary.numbers)]))
+            again = with_traction(robot, motors_spec, sensing, body.values, at, around, now_s)
+            slipping = again.traction.slipping
+            rows.append((each.at_s, *again.numbers[: len(robot.vocabulary.numbers)]))
     names = (TIME, *robot.vocabulary.numbers)
     values = np.array(rows, dtype=np.float64).reshape(len(rows), len(names))
     return dict(zip(names, values.T, strict=True))

@@ -28,11 +28,11 @@ _MOST_FRICTION = 5.0
 
 
 _ROLLING, _MOST_ROLLING = "tyre rolling_resistance", 0.2
-"""Its column in a sample, and what a file takes at most."""
+"""Its column in a sample, and the most that a file accepts."""
 
 
 class LikelyRobots(NamedTuple):
-    """Robots as likely as each other: names of their numbers, those assumed, a row for each."""
+    """Equally likely robots: the names of their numbers, the assumed ones, a row for each robot."""
 
     numbers: tuple[str, ...]
     assumed: tuple[str, ...]
@@ -53,7 +53,7 @@ def sample_of(profile: Profile, numbers: Sequence[RobotNumber], robots: int) -> 
         if not each.motor:
             continue
         name, draws = f"{each.motor} {each.key}", each.estimate.likely
-        places = random.uniform(size=DRAWS)  # the same of a number, whatever else is known
+        places = random.uniform(size=DRAWS)  # of known numbers too, so that others stay the same
         if not each.estimate.known:
             value = getattr(profile.motors[each.motor], each.key)
             if not value:

@@ -20,7 +20,7 @@ from dataclasses import replace
 from math import inf, isnan, nan, radians
 from statistics import median
 
-from pirate_sm.core.companion import UsualCompanion
+from pirate_sm.core.companion import CompanionBase
 from pirate_sm.core.effects import CommandStatus, Effect, Log, Setpoints, StateChange
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import UsageError
@@ -188,7 +188,7 @@ _PATIENCE_S = 1.0
 """How long a joint may be silent at the start, or while clamps change."""
 
 
-class Odometry(UsualCompanion):
+class Odometry(CompanionBase):
     """A companion that reckons from the engine's signals and reports detector words.
 
     Args:

@@ -8,7 +8,7 @@ from random import Random
 from string import ascii_lowercase
 from typing import Protocol
 
-from pirate_sm.core.companion import UsualCompanion
+from pirate_sm.core.companion import CompanionBase
 from pirate_sm.core.effects import Effect, Ended, Log
 from pirate_sm.core.engine import EngineState, has_come
 from pirate_sm.core.events import DetectorWord, Event, Look, OutsideNumber, WordWatch
@@ -20,7 +20,7 @@ from pirate_sm.robot.detectors.word_timing import LOOK_EVERY_S, Repeater, WordDe
 # --- the simulator --------------------------------------------------------------------------------
 
 
-class TruePlaces(UsualCompanion):
+class TruePlaces(CompanionBase):
     """A companion that knows the true positions; its words have the profile's errors.
 
     Args:
@@ -128,7 +128,7 @@ class WordKeys:
 # --- signals --------------------------------------------------------------------------------------
 
 
-class SignalWords(UsualCompanion):
+class SignalWords(CompanionBase):
     """A companion that evaluates the conditions of the words at every look.
 
     If several hold, the last of the profile's list is reported. While a condition is unknown,
@@ -182,7 +182,7 @@ class SignalWords(UsualCompanion):
 # --- the ruler ------------------------------------------------------------------------------------
 
 
-class Ruler(UsualCompanion):
+class Ruler(CompanionBase):
     """A companion that knows the true places and reports the noisy speed of their mean.
 
     Args:

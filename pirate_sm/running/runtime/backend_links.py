@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from math import inf
 
-from pirate_sm.core.companion import Companion, Relieved, UsualCompanion
+from pirate_sm.core.companion import Companion, CompanionBase, Relieved
 from pirate_sm.core.effects import Effect, Log
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.events import BuiltInFault, Event, FaultReport, WordWatch
@@ -21,7 +21,7 @@ _LOOK_S, _SLID_M = 0.6, 0.1
 way by more than this has slid. Its own sensors show a fall in less time [decided]."""
 
 
-class Holder(UsualCompanion):
+class Holder(CompanionBase):
     """Passes the safe array to the backend at every turn, to be sent should this process die.
 
     Args:
@@ -46,7 +46,7 @@ class Holder(UsualCompanion):
             self._hold(self._engine.safe_values(state), self._engine.seeking(state))
 
 
-class Messenger(UsualCompanion):
+class Messenger(CompanionBase):
     """Passes the backend's remarks on to people while the mission itself is stopped.
 
     Args:
@@ -69,7 +69,7 @@ class Messenger(UsualCompanion):
         return (Log("warning", text),)
 
 
-class SlideWatch(UsualCompanion):
+class SlideWatch(CompanionBase):
     """Reports that a simulated robot has slid while no part held it and no wheel was driven.
 
     Perhaps no sensor shows it: the wheels do not turn, and friction lets the robot weigh nearly

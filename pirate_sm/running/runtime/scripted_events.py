@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from math import inf, isfinite
 from typing import Literal, NamedTuple
 
-from pirate_sm.core.companion import UsualCompanion
+from pirate_sm.core.companion import CompanionBase
 from pirate_sm.core.effects import (
     Ask,
     Effect,
@@ -42,7 +42,7 @@ class Answered(Log):
     __slots__ = ()
 
 
-class FirstChoice(UsualCompanion):
+class FirstChoice(CompanionBase):
     """Answers every question immediately with the expected answer, because nobody can be asked.
 
     Args:
@@ -79,7 +79,7 @@ class FirstChoice(UsualCompanion):
 # --- repetitions ----------------------------------------------------------------------------------
 
 
-class LoopWatch(UsualCompanion):
+class LoopWatch(CompanionBase):
     """Ends a trace that comes back to an earlier situation.
 
     Only a script decides what happens in a trace. If a situation recurs and the script has no new
@@ -148,7 +148,7 @@ class Firing(NamedTuple):
     phase: str = ""
 
 
-class TriggerScript(UsualCompanion):
+class TriggerScript(CompanionBase):
     """Fires triggers: as listed, otherwise the first trigger of each wait.
 
     A wait uses up the first entry that fits it.
@@ -245,7 +245,7 @@ def longest_s(course: Sequence[Happening], robot: RobotSpec, program: Program) -
     return longest * sum(each.happens == "time" for each in course)
 
 
-class CoursePlayer(UsualCompanion):
+class CoursePlayer(CompanionBase):
     """A companion that makes the events happen; after the last one all goes well.
 
     Args:

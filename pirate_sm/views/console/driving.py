@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from rich.text import Text
 
-from pirate_sm.core.companion import UsualCompanion
+from pirate_sm.core.companion import CompanionBase
 from pirate_sm.core.effects import CommandStatus, Effect, Ended, Fault, Log
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.events import Event, GoTo, OperatorCommand
@@ -53,7 +53,7 @@ class SaidPlace(NamedTuple):
     came_m: float = nan
 
 
-class HandDriving(UsualCompanion):
+class HandDriving(CompanionBase):
     """A companion of the console's runs that stops what is driven by hand.
 
     A terminal reports no release of a key. A key counts as held until its repeats stay away, which
@@ -287,7 +287,7 @@ class CommandSeries(NamedTuple):
         return self.commands[self.done] if self.done < len(self.commands) else ""
 
 
-class Giver(UsualCompanion):
+class Giver(CompanionBase):
     """A companion of the console's runs that gives a series of commands.
 
     A command follows when the one before is done. A refusal, a failure or a fault stops the series,

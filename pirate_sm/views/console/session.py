@@ -14,7 +14,7 @@ from math import inf, isnan
 from threading import Thread
 from typing import Any
 
-from pirate_sm.core.companion import UsualCompanion, entered
+from pirate_sm.core.companion import CompanionBase, entered
 from pirate_sm.core.effects import Effect, Ended, Log
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import ExitCode
@@ -50,7 +50,7 @@ LOOK_EVERY_S = 0.02
 """The longest delay of an operator's event to the engine."""
 
 
-class RunBridge(UsualCompanion):
+class RunBridge(CompanionBase):
     """An observer, watcher and companion of the runs of one session, one after the other.
 
     Attributes:

@@ -110,7 +110,7 @@ def _both(given: Mapping[str, Any], own: Friction) -> Mapping[str, Any]:
 def twin_named(twin: str, seed: int) -> tuple[str, int | None]:
     """Return the file of a twin, and the number in its sample of ``FILE#3`` or ``FILE#seed``.
 
-    A file whose own name ends so is named as before.
+    If a file has the whole name, that file is meant.
     """
     file, _, which = twin.rpartition("#")
     if file and (which == "seed" or which.isdecimal()) and not is_file(Path(twin)):

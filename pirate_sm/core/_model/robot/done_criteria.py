@@ -112,7 +112,7 @@ class Stalled(DoneWhen, Load):
         joints: Joints that must stand still, slower than ``still``.
         loaded: Joints that must bear the torque.
         still: The speed below which a joint stands still.
-        end_stop: The apex of a part that is nearer than this to its end stop touches no wall.
+        end_stop: An apex nearer than this to its end stop is taken not to touch a wall.
         for_s: How long all of it must hold.
     """
 
@@ -139,7 +139,8 @@ class Stalled(DoneWhen, Load):
         which = "" if self.loaded == self.joints else f"{listed(self.loaded)} "
         load = f"{(self.share or 0.0) * 100:g} % of what its motor gives at its duty"
         load = load if self.torque is None else f"{self.torque:g} Nm"
-        off = f", an apex {in_degrees(self.end_stop)} off its end stop" if self.end_stop else ""
+        apart = in_degrees(self.end_stop)
+        off = f", an apex at least {apart} from its end stop" if self.end_stop else ""
         return (
             f"{listed(self.joints)} {stand} still, slower than {in_degrees(self.still)}/s{off}, "
             f"and {which}{bear} more than {load}{_lasting(self.for_s)}"

@@ -65,7 +65,7 @@ class Tyre(Frozen):
             small wheels somewhat more [assumed].
         spin_radius: Torque of friction against spinning on the spot, over the force of friction:
             3 pi / 16 of the radius of the contact (Hertz), which is 2.4 mm for a wheel of 24 mm
-            that is pressed in by 0.25 mm [assumed]. The backend physics alone reads it.
+            that is pressed in by 0.25 mm [assumed]. Only the backend physics reads it.
     """
 
     rolling_resistance: Annotated[Ratio, Field(ge=0, le=0.2)] = 0.0
@@ -149,7 +149,7 @@ PARTS_OF_A_TWIN: Mapping[str, type[Frozen]] = {
     "noise": Noise,
     "tyre": Tyre,
 }
-"""What has the numbers in each part of a twin; of motors and joints by their names."""
+"""The numbers in each part of a twin; motors and joints have them by name."""
 
 
 class RobotSample(Frozen):
@@ -174,7 +174,7 @@ class RobotSample(Frozen):
             if key not in others.get(owner, MotorNumbers.model_fields):
                 raise ValueError(f"'{name}' is not a number of a robot, such as wheel stall_torque")
         if len({*self.numbers}) < len(self.numbers):
-            raise ValueError("`numbers` names one twice")
+            raise ValueError("`numbers` has a name twice")
         if unlisted := [name for name in self.assumed if name not in self.numbers]:
             raise ValueError(f"'{unlisted[0]}' is assumed and is none of the numbers")
         for number, row in enumerate(self.robots):

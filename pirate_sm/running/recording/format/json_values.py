@@ -118,7 +118,7 @@ _WORDS: dict[Any, str] = {
     tuple[tuple[str, str | None], ...]: "array of pairs of a name and a text, null where unknown",
     tuple[Unmet, ...]: f"array of unmet conditions, each an array of {', '.join(Unmet._fields)}",
 }
-"""What fields of events and effects hold besides single values."""
+"""Fields of events and effects that are not single values, in words."""
 
 
 def kind_of(hint: Any) -> JsonKind:

@@ -403,7 +403,7 @@ def cut_on_a_link(path: Path, mission: str, until_s: float) -> Cut:
     return Cut(it, path)
 
 
-def test_belief_a_person_may_think_before_a_mission_goes_on(
+def test_belief_an_operator_may_think_before_a_mission_resumes(
     tmp_path: Path, operator: Callable[..., Operator]
 ) -> None:
     """It was `link.silent` after 14 s, and both clamps were not confirmed."""

@@ -47,7 +47,7 @@ def profile():
     return pirate_sm.load("mitre_bend").loaded_robot.profile
 
 
-def test_a_number_that_nothing_showed_is_gained_most_of_all(profile) -> None:
+def test_an_assumed_number_gains_most(profile) -> None:
     before = numbers(known(1.0, 0.1, 1), UNKNOWN)
 
     bits, narrower = gained(profile, before, numbers(UNKNOWN, known(1.0, 0.1, 2)))
@@ -57,7 +57,7 @@ def test_a_number_that_nothing_showed_is_gained_most_of_all(profile) -> None:
     assert bits == pytest.approx(3.0, abs=0.1)
 
 
-def test_as_good_a_recording_again_narrows_by_one_over_the_root_of_two(profile) -> None:
+def test_a_second_recording_as_good_narrows_by_one_over_root_two(profile) -> None:
     before = numbers(known(1.0, 0.2, 1), UNKNOWN)
 
     bits, narrower = gained(profile, before, numbers(known(1.1, 0.2, 2), UNKNOWN))
@@ -66,7 +66,7 @@ def test_as_good_a_recording_again_narrows_by_one_over_the_root_of_two(profile) 
     assert bits == pytest.approx(0.5, abs=0.1)
 
 
-def test_an_error_that_the_method_makes_each_time_does_not_narrow(profile) -> None:
+def test_errors_of_the_method_do_not_average_out(profile) -> None:
     before = numbers(known(1.0, 0.1, 1), UNKNOWN)
 
     bits, narrower = gained(profile, before, numbers(known(1.2, 0.1, 1), UNKNOWN))
@@ -75,7 +75,7 @@ def test_an_error_that_the_method_makes_each_time_does_not_narrow(profile) -> No
     assert bits == pytest.approx(0, abs=1e-6)
 
 
-def test_a_bound_narrows_what_is_assumed_and_knowing_nothing_new_gains_nothing(profile) -> None:
+def test_a_bound_narrows_an_assumed_number_and_no_news_gains_nothing(profile) -> None:
     before = numbers(UNKNOWN, UNKNOWN)
 
     bits, narrower = gained(profile, before, numbers(Estimate(low=0.9, reason="at least"), UNKNOWN))
@@ -87,17 +87,17 @@ def test_a_bound_narrows_what_is_assumed_and_knowing_nothing_new_gains_nothing(p
 
 
 @pytest.mark.thorough
-def test_what_missions_tell_is_simulated_and_what_cannot_run_is_left_out(tmp_path: Path) -> None:
+def test_missions_are_simulated_and_those_that_cannot_run_left_out(tmp_path: Path) -> None:
     missions = [tmp_path / f"{name}.yaml" for name in ("clamps", "nowhere")]
     for mission, pipe in zip(missions, (PIPE, ""), strict=True):
         mission.write_text(CLAMP.format(name=mission.stem, pipe=pipe))
     pirate_sm.run(str(missions[0]), record=tmp_path / "run.mcap")
     measured = read_measured(tmp_path / "run.mcap")
 
-    told = advise([measured], missions, 2, 1, lambda share: None)
+    advised = advise([measured], missions, 2, 1, lambda share: None)
 
-    (found,), left_out = told.missions, told.left_out
-    assert (told.robots, told.unchecked) == (2, "")
+    (found,), left_out = advised.missions, advised.left_out
+    assert (advised.robots, advised.unchecked) == (2, "")
     assert (found.mission, found.robots, found.succeeded) == ("clamps", 2, 2)
     assert found.narrower["bend no_load_speed"].mean >= 0
     assert {f"{each.motor} {each.key}" for each in robot_numbers([measured]) if each.motor} <= {
@@ -108,19 +108,19 @@ def test_what_missions_tell_is_simulated_and_what_cannot_run_is_left_out(tmp_pat
         advise([measured], missions[1:], 2, 1, lambda share: None)
 
 
-def test_a_mission_that_a_robot_fails_or_cannot_run_comes_after_those_that_all_pass() -> None:
-    def told(mission: str, bits: float, succeeded: int, robots: int) -> advice.MissionAdvice:
+def test_missions_that_not_all_robots_pass_come_last() -> None:
+    def advised(mission: str, bits: float, succeeded: int, robots: int) -> advice.MissionAdvice:
         return advice.MissionAdvice(mission, advice.MeanGain(bits, 0), {}, 1.0, succeeded, robots)
 
-    found = [told("none passes", 9.0, 0, 4), told("little", 0.5, 4, 4), told("three", 3.0, 3, 3),
-             told("much", 2.0, 4, 4)]  # fmt: skip
+    found = [advised("none passes", 9.0, 0, 4), advised("little", 0.5, 4, 4),
+             advised("three", 3.0, 3, 3), advised("much", 2.0, 4, 4)]  # fmt: skip
 
     ordered = [each.mission for each in advice.in_order(found, 4)]
 
     assert ordered == ["much", "little", "none passes", "three"]
 
 
-def test_only_robots_that_end_the_recorded_mission_as_it_ended_are_chosen(
+def test_robots_that_end_the_recorded_mission_differently_are_rejected(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     mission, failing = tmp_path / "clamps.yaml", {0, 2, 3}
@@ -146,7 +146,7 @@ def test_only_robots_that_end_the_recorded_mission_as_it_ended_are_chosen(
     measured.append(measured[0]._replace(recording=tmp_path / "stopped.mcap"))
     ended = {"run.mcap": "succeeded", "stopped.mcap": "interrupted"}
     monkeypatch.setattr(advice, "read", lambda path: SimpleNamespace(outcome=ended[path.name]))
-    assert chosen(16, 2) == ([1, 4], 3, "the recorded mission came to no end of its own")
+    assert chosen(16, 2) == ([1, 4], 3, "the recorded mission was stopped or ended in a fault")
     monkeypatch.setattr(advice, "simulated_again", lambda *_: raise_(PirateError("no pipe\nhere")))
     ended["stopped.mcap"] = "failed"
     assert chosen(16, 2) == ([0, 1], 0, "no pipe")

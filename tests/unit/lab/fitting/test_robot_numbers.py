@@ -384,7 +384,7 @@ def test_another_stream_draws_other_stretches_for_every_number(measured: Measure
             assert not np.array_equal(one.estimate.draws, other.estimate.draws)
 
 
-def test_draws_of_two_streams_have_nothing_in_common() -> None:
+def test_draws_of_two_streams_are_independent() -> None:
     rows = np.random.default_rng(3).normal(size=(400, 1))
     draws = [
         estimate_of(rows, lambda some: float(np.mean(some)), stream=stream).draws

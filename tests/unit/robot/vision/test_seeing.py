@@ -157,7 +157,7 @@ def test_the_place_of_a_camera_is_found_from_its_points() -> None:
     assert eye_of(by_points).view.pose.at == pytest.approx(eye.view.pose.at, abs=1e-6)
 
 
-def test_a_marker_at_the_edge_of_the_sizes_that_fit_is_seen_or_none() -> None:
+def test_a_marker_of_borderline_size_raises_no_error() -> None:
     """One that fits in every second pixel, and not in all of them, ended the run with an error."""
     eye, _ = drawn(GREEN)
     seen = []

@@ -214,9 +214,7 @@ def test_equal_calls_give_equal_quantities_in_a_bend(place: Place) -> None:
 
 
 @pytest.mark.parametrize("off_m", [0.0, 0.005, 0.012])
-def test_a_wheel_that_leans_rolls_no_smaller_than_on_the_edge_of_its_tyre(
-    place: Place, off_m: float
-) -> None:
+def test_a_leaning_wheel_rolls_at_least_on_the_edge_of_its_tyre(place: Place, off_m: float) -> None:
     # Beside the middle of the pipe the walls lean; a tyre of 12 mm touches 6 mm aside at most.
     robot = place(round_pipe(), at=1.0, physics=SpaceWorld)
     physics: Any = robot.physics

@@ -372,11 +372,11 @@ class SetpointLink:
             self._report(flight.order.setpoint_id, "accepted", "")
         later = flight.numbers[place + 1 :]
         if later and not (flight.needed and self._refresh_every_s < inf):
-            flight.numbers[:] = later  # only these still matter: the last may come damaged
+            flight.numbers[:] = later  # only these still matter: the last may arrive damaged
             return
-        # The device has the array again, and later copies are refreshes of it. Where these follow
-        # each other faster than a round trip, the echo of none would be that of the last. One that
-        # comes damaged is fixed by the next refresh.
+        # The device has the array, and later copies only refresh it. If they follow each other
+        # faster than a round trip, no echo is that of the last one. The next refresh replaces a
+        # damaged one.
         self._unanswered |= {each: Unanswered(self._recent[each][1]) for each in later}
         self._flight = None
 

@@ -113,7 +113,7 @@ class Exchange:
         heard: Boards that have reported since the beginning.
         outage: The silence during which the mission is held; None while the link works.
         brief: Whether the last silence was too short to be an outage.
-        throttle: When bytes may be written, whoever writes them.
+        throttle: Says when bytes may be written, by this exchange or another writer.
         given_up: Whether the last outage was given up, and nothing has come since.
         switch_stops_s: The length of a silence after which the firmware's switch has stopped the
             robot; arrays are repeated until the silence is noticed. Infinite without a switch.

@@ -161,7 +161,7 @@ def test_a_robot_of_the_sample_is_named_by_its_number_or_by_the_seed(
         (SAMPLE.replace("0.06", "-1"), "robot 1 of the sample: wheel hold_torque"),
         (SAMPLE.replace("0.6", "0.1"), "kinetic friction cannot be more than static"),
         (SAMPLE.replace("assumed: [friction", "assumed: [wheel"), "'wheel static' is assumed"),
-        (SAMPLE.replace("friction static, friction", "friction kinetic, friction"), "one twice"),
+        (SAMPLE.replace("friction static, friction", "friction kinetic, friction"), "has a name twice"),
         ("", "it has one robot and no `sample`"),
     ],
 )
@@ -173,7 +173,7 @@ def test_a_faulty_sample_is_refused(tmp_path: Path, sample: str, message: str) -
         simulated_profile(PROFILE, f"{file}#1")
 
 
-def test_a_file_whose_name_ends_as_a_robot_of_a_sample_is_that_file(tmp_path: Path) -> None:
+def test_an_existing_file_is_not_read_as_a_robot_of_a_sample(tmp_path: Path) -> None:
     file = tmp_path / "mine#3"
     assert twin_named(str(file), 0) == (str(tmp_path / "mine"), 3)
 

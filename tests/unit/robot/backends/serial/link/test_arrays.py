@@ -348,7 +348,7 @@ def test_a_device_that_may_have_forgotten_the_last_array_gets_it_again(line: Lin
     assert not line.fates, "it has its result already"
 
 
-def test_copies_that_follow_faster_than_a_round_trip_confirm_the_last_array_again() -> None:
+def test_the_echo_of_any_refresh_confirms_the_array() -> None:
     line = Line(Refreshing(every_s=0.2, stop_after_s=0.5))
     line.hear(0.75)
     line.link.submit(1, (0.1,), line.now_s)
@@ -363,7 +363,7 @@ def test_copies_that_follow_faster_than_a_round_trip_confirm_the_last_array_agai
     assert line.link.quality.lost_one_way < 0.6, "late echoes are no losses"
 
 
-def test_without_refreshes_the_last_copy_is_waited_for_since_it_may_have_come_damaged() -> None:
+def test_without_refreshes_the_last_copy_is_awaited() -> None:
     line = Line(NEVER)
     line.link.submit(1, (0.0,), line.now_s)
     line.run(1.0)
