@@ -248,19 +248,23 @@ def test_the_robot_is_drawn_anew_when_the_night_comes(opened: Open) -> None:
 
 def test_keys_show_less_or_more_of_the_run(opened: Open) -> None:
     it = opened("bend")
+    at_s, presses = 12.0, 3
     whole = it.page.locator("#timeline .tick").count()
     marks = it.page.locator("#timeline .axis text")
     before = marks.all_text_contents()
-    it.page.locator("#slider").fill("12")
+    it.page.locator("#slider").fill(str(at_s))
     it.page.evaluate("document.activeElement.blur()")
 
-    for _ in range(3):
+    for _ in range(presses):
         it.page.keyboard.press("+")
     near = marks.all_text_contents()
     it.page.keyboard.press("0")
 
     assert near != before
-    assert all(8.0 <= float(each) <= 16.0 for each in near)
+    part = 0.5**presses  # the moment shown keeps its place on the screen
+    first_s, last_s = at_s - part * at_s, at_s + part * (it.end_s - at_s)
+    assert near
+    assert all(first_s <= float(each) <= last_s for each in near)
     assert marks.all_text_contents() == before
     assert whole == it.page.locator("#timeline .tick").count()
 
