@@ -95,6 +95,18 @@ class MidiPlug:
         self.send(bytes([0xB0, *(b for n in reversed(numbers) for b in (n, 0))]))
 
 
+@pytest.fixture(scope="session")
+def assumed_speeds(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A twin whose motors are as fast as the profile assumed before decision 127.
+
+    Its joints close before it has driven far: some courses are found with it only.
+    """
+    path = tmp_path_factory.mktemp("twins") / "assumed_speeds.yaml"
+    speeds = "{bend: {no_load_speed: 1 rad/s}, wheel: {no_load_speed: 4.17 rad/s}}"
+    path.write_text(f"format: 1\nrobot: pirate_ii\nmotors: {speeds}\n", "utf-8")
+    return str(path)
+
+
 @pytest.fixture
 def midi(tmp_path: Path) -> Iterator[MidiPlug]:
     plug = MidiPlug(tmp_path)

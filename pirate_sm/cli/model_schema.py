@@ -12,7 +12,16 @@ from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import core_schema
 
 from pirate_sm.core.fields import DEFINED, QUANTITY
-from pirate_sm.core.models import End, FaultHandler, Phase, Pipe, PostureCase, SafetyRule, WaitStep
+from pirate_sm.core.models import (
+    DetectorDefinition,
+    End,
+    FaultHandler,
+    Phase,
+    Pipe,
+    PostureCase,
+    SafetyRule,
+    WaitStep,
+)
 
 _ATTRIBUTE = re.compile(r"    (\w+): (.*)")
 
@@ -292,6 +301,11 @@ SHAPES: Final[Mapping[type[BaseModel], Schema]] = {
         "then": {"allOf": [_without("within"), _without("done")]},
     },
     FaultHandler: {"oneOf": [_given("then"), _given("go")]},
+    DetectorDefinition: {
+        "if": _given("forward"),
+        "then": _given("backward"),
+        "else": {"allOf": [_without("backward"), _given("when")]},
+    },
     SafetyRule: {
         "oneOf": [_given("always"), _given("never"), _given("expect")],
         "if": _given("expect"),

@@ -44,7 +44,7 @@ from pirate_sm.core._model.robot.profile import (
     Board,
     Channel,
     Command,
-    DetectorPoint,
+    DetectorDefinition,
     LinkSettings,
     PassedBy,
     Profile,

@@ -63,16 +63,17 @@ OF_THE_CONTROLLER = {
 }
 
 
-DEFECTS = {
-    # While the joint closes, at its own 5 s, which fault it is depends on how far it has come.
-    f"{name}:after=14s" if name == "gamma_2_sticks_at_zero" else name: each
-    for name, each in load_robot(SIX_WHEELED).profile.simulation.defects.items()
-}
+CLOSING = "gamma_2_sticks_at_zero"
+"""At its own 5 s the joint closes: which faults it raises depends on how far it has come."""
+
+DEFECTS = [each for each in load_robot(SIX_WHEELED).profile.simulation.defects if each != CLOSING]
 TIMED = [
     "wheel_1_dead:after=6s",
     "gamma_1_stiff:friction=0.5Nm,after=12s",
     "board_26_silent:after=13s",
     "gamma_1_zero_jumps:by=-25deg,after=12s",
+    f"{CLOSING}:after=1s",
+    f"{CLOSING}:after=14s",
 ]
 """Defects that begin in the middle of the mission."""
 
@@ -153,3 +154,15 @@ def test_a_defect_has_the_same_consequences_in_the_simulator_and_behind_the_bay(
     emulated = course(loaded, behind_the_bay(loaded, defect, seed))
 
     assert simulated == emulated
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("after", ["2s", "3s", "5s"])
+def test_a_joint_that_sticks_while_it_closes_stops_the_mission_wherever_it_is(
+    loaded: LoadedMission, after: str
+) -> None:
+    for behind in (in_the_simulator, behind_the_bay):
+        found = course(loaded, behind(loaded, f"{CLOSING}:after={after}", 1))
+        assert found.outcome in ("failed", "fault")
+        assert found.faults
+        assert found.faults <= {"sensor.jumped", "sensor.stuck"}

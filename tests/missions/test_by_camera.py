@@ -79,7 +79,7 @@ def test_the_camera_measures_the_speed_against_which_slip_is_judged(recording: P
     run = pirate_sm.read(recording)
     speeds = [each for each in run.signals["ruler_m_per_s"] if not isnan(each)]
 
-    assert max(speeds) == pytest.approx(0.15, abs=0.05)
+    assert max(speeds) == pytest.approx(0.15, abs=0.02)
     assert len(speeds) > len(run.signals["ruler_m_per_s"]) / 10
 
 

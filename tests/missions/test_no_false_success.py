@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -63,13 +64,28 @@ def test_belief_a_silent_joint_of_the_part_that_holds_lets_go_of_nothing(
     assert "BendingState" in done.states["unconfirmed"][-1]
 
 
-TWO = ("gamma_4_stiff:friction=0.9Nm", "gamma_1_zero_jumps:after=2s,by=7deg")
+STIFF = "gamma_4_stiff:friction=0.9Nm"
+JUMPS = "gamma_1_zero_jumps:after=2s,by={}"
+"""By 13 deg a joint jumps faster than slow motors turn: that is another fault."""
 
 
 @pytest.mark.parametrize("seed", thorough_but({0}, range(12)))
 def test_belief_a_folded_robot_before_the_bend_has_not_passed_it(seed: int) -> None:
-    order = Order("mitre_bend", pipe="mitre_60", seed=seed, defects=TWO, detector="odometry")
+    two = STIFF, JUMPS.format("7deg")
+    order = Order("mitre_bend", pipe="mitre_60", seed=seed, defects=two, detector="odometry")
     outcome = run(order)
+
+    assert outcome.outcome != "succeeded"
+    assert outcome.stopped
+
+
+@pytest.mark.parametrize("seed", thorough_but({0}, range(12)))
+def test_belief_a_folded_robot_with_quick_joints_has_not_passed_the_bend_either(
+    assumed_speeds: str, seed: int
+) -> None:
+    two = STIFF, JUMPS.format("13deg")
+    order = Order("mitre_bend", pipe="mitre_60", seed=seed, defects=two, detector="odometry")
+    outcome = run(replace(order, twin=assumed_speeds))
 
     assert outcome.outcome != "succeeded"
     assert outcome.stopped
@@ -83,11 +99,21 @@ def test_belief_a_joint_sensor_that_sticks_in_the_bend_makes_no_false_success(se
     assert not is_false(outcome), f"{outcome.short_m * 1000:.0f} mm short"
 
 
-def test_belief_a_bend_that_the_shape_contradicts_ends_holding_with_that_reason() -> None:
-    done = pirate_sm.run("mitre_bend", defects=TWO[1:], detector="odometry", check=False)
+@pytest.mark.parametrize(
+    ("quick", "jump", "why"),
+    [
+        (True, "13deg", r"diameter_front shows 11\d mm where it has 120 mm"),
+        (False, "7deg", r"a wheel would be in a wall, or its parts do not lie along one axis"),
+    ],
+)
+def test_belief_a_bend_that_the_shape_contradicts_ends_holding_with_that_reason(
+    assumed_speeds: str, quick: bool, jump: str, why: str
+) -> None:
+    twin, defects = assumed_speeds if quick else None, (JUMPS.format(jump),)
+    done = pirate_sm.run("mitre_bend", twin=twin, defects=defects, detector="odometry", check=False)
 
     assert done.faults["code"] == ["place.contradicted"]
-    assert re.search(r"the robot does not fit the pipe there: ", done.message)
+    assert re.search(f"the robot does not fit the pipe there: {why}", done.message)
     held = done.states["BendingState"][-1], done.states["unconfirmed"][-1]
     assert held == ("DoubleClamped", "FrontWheelsState RearWheelsState")
 

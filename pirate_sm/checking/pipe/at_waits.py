@@ -13,7 +13,6 @@ from pirate_sm.checking.pipe.pipe_view import PipeView, mm
 from pirate_sm.checking.pipe.usual_course import Bends, CoursePoint, course_of
 from pirate_sm.core.expressions import change_of, tree
 from pirate_sm.core.geometry import RouteJoint
-from pirate_sm.core.models import DetectorPoint
 from pirate_sm.core.program import Wait
 
 _JOINT, _OUT = "Joint", "Out"
@@ -178,9 +177,11 @@ class AtWaits:
         if not point.bent or (whole and lead == point.way):
             ahead = point.passed - (point.way < 0) + lead
             # A word of the first wheels is of the next bend, one of the last of that before.
-            number = ahead - point.way if self._leads_m(at, point.way) > 0 else ahead
+            number = (
+                ahead - point.way if self._leads_m(at.wheel, at.passed, point.way) > 0 else ahead
+            )
             return view.bend(number) is not None
-        return whole or lead != point.way or not self._is_last(at, point.way)
+        return whole or lead != point.way or not self._is_last(at.wheel, at.passed, point.way)
 
     def _ahead(self, point: CoursePoint) -> set[str]:
         """Return the kinds of the joints before which the robot can be in a wait, driving on."""
@@ -193,18 +194,18 @@ class AtWaits:
         }
         return found if view.bend(numbers[-1]) is not None else found | {"end"}
 
-    def _leads_m(self, at: DetectorPoint, way: int) -> float:
+    def _leads_m(self, wheel: str, passed_m: float, way: int) -> float:
         """Return how far the first wheel is beyond the crossing when a word is said."""
         body = self._view.fit.profile.body
-        number = [wheel.name for wheel in body.wheels].index(at.wheel)
+        number = [each.name for each in body.wheels].index(wheel)
         links = body.links[:number] if way > 0 else body.links[number:]
-        return at.passed + sum(link.length for link in links)
+        return passed_m + sum(link.length for link in links)
 
-    def _is_last(self, at: DetectorPoint, way: int) -> bool:
+    def _is_last(self, wheel: str, passed_m: float, way: int) -> bool:
         """Return whether a word is said when a wheel of the last part is round the bend."""
         wheels = self._view.fit.profile.body.wheels
-        part = next(wheel.part for wheel in wheels if wheel.name == at.wheel)
-        return at.passed > 0 and part == wheels[-1 if way > 0 else 0].part
+        part = next(each.part for each in wheels if each.name == wheel)
+        return passed_m > 0 and part == wheels[-1 if way > 0 else 0].part
 
     def _why(self, words: set[str], points: list[CoursePoint]) -> str:
         """Return why words are not said at points of the course."""

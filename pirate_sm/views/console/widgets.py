@@ -325,7 +325,7 @@ class RobotApp(App[None]):
         """Fit everything to the size of the terminal and the chosen page."""
         paged, large = width < _WIDE or height < _HIGH, width >= _LARGE and height >= _TALL
         pages = {f"-{name}": number == self.page for number, name in enumerate(self.pages)}
-        # All at once: each change of a class restyles every widget.
+        # All together: each change of a class restyles every widget.
         self.screen_stack[0].update_classes({"-paged": paged, "-large": large, **pages})
 
     def on_base(self, kind: type[_W], name: str) -> _W:

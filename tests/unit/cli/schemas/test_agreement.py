@@ -83,9 +83,6 @@ def _add(holder: Any, key: str, value: Any) -> None:
         holder.append(value)
 
 
-_ONE_AGAINST_ANOTHER = ("friction", "a duty cycle lies", "belong together")
-
-
 def beyond_a_schema(error: ErrorDetails) -> bool:
     """Whether no schema can tell: a limit in SI, or one value that is held against another."""
     kind, said = error["type"], error["msg"]
@@ -93,7 +90,7 @@ def beyond_a_schema(error: ErrorDetails) -> bool:
     return (
         (kind in limits and isinstance(error["input"], str))
         or (kind == "quantity" and said.startswith(("expected at most", "expected at least")))
-        or (kind == "value_error" and any(each in said for each in _ONE_AGAINST_ANOTHER))
+        or (kind == "value_error" and ("friction" in said or "a duty cycle lies" in said))
     )
 
 

@@ -21,6 +21,7 @@ from pirate_sm.core.models import Pipe
 from pirate_sm.core.robot import Mark, RobotSpec, confirmed_parts
 from pirate_sm.robot.detectors.dead_reckoning import AnchorSpot, Felt, Reckoned, Shape
 from pirate_sm.robot.detectors.odometry_detector import Odometry
+from pirate_sm.robot.detectors.word_timing import LOOK_EVERY_S
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, load, prepare
@@ -44,11 +45,21 @@ def run(mission: str, **order) -> tuple:
     return result, odometry.reckoned.places_m, prepared.backend.truth.arcs_m
 
 
+def in_a_round_m() -> float:
+    """Return how far the robot drives while each board reports once, at the most.
+
+    By then some joints are as they are now and others as they were: the chain of wheels is moved to
+    where the walls have room for such a shape.
+    """
+    robot = prepare(Order("mitre_bend", backend="trace")).loaded.robot
+    return robot.link.period_s * max(wheel.top_m_s for wheel in robot.wheels)
+
+
 @pytest.mark.parametrize("mission", ["mitre_bend", "mitre_bend_backward"])
 def test_the_bend_is_passed_on_reckoning_alone(mission: str) -> None:
     result, places, truth = run(mission, detector="odometry")
     assert result.ended.outcome == "succeeded"
-    assert places == pytest.approx(truth, abs=0.015)
+    assert places == pytest.approx(truth, abs=in_a_round_m())
 
 
 @pytest.mark.parametrize("mission", [
@@ -75,10 +86,11 @@ def test_a_robot_in_a_round_pipe_is_shown_in_space() -> None:
     assert shown.rolls_rad == pytest.approx(truth.rolls_rad, abs=radians(10))
 
 
-@pytest.mark.parametrize("off_m", [0.015, -0.015])
+@pytest.mark.parametrize("off_m", [0.03, -0.03])
 def test_an_error_of_the_start_is_gone_behind_the_bend(off_m: float) -> None:
     _, places, truth = run("mitre_bend", detector="odometry", start_at_m=0.7 + off_m)
-    assert places == pytest.approx(truth, abs=0.0145)
+    assert abs(off_m) > 1.5 * in_a_round_m()
+    assert places == pytest.approx(truth, abs=in_a_round_m())
 
 
 def test_belief_the_shape_is_unknown_while_a_part_is_not_seen_to_hold() -> None:
@@ -216,7 +228,8 @@ def test_a_word_is_said_once_it_holds_and_again_while_it_does() -> None:
     MissionRun(prepared.engine, prepared.backend, companions=prepared.companions).execute()
     assert list(dict.fromkeys(word.word for _, word in said)) == ["close", "in", "past"]
     gaps = [late - early for (early, a), (late, b) in pairwise(said) if a == b]
-    assert min(gaps) == pytest.approx(0.5, abs=0.01)
+    # Half of the time for which it is valid, and until the next of the looks near a bend.
+    assert 0.5 - 1e-9 < min(gaps) < 0.5 + LOOK_EVERY_S
     assert {word.valid_for_s for _, word in said} == {1.0}
 
 

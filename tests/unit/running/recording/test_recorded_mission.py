@@ -28,13 +28,16 @@ from pirate_sm.running.recording.replay import replay
 from pirate_sm.running.wiring import Order
 
 STALL_NM = 0.6
-"""The profile assumes 1.01 Nm: 70 % of that are more than such a motor gives."""
+"""The profile assumes 1.01 Nm: 70 % of that are more than such a motor gives.
+
+It turns fast, so that most of the time until a clamp counts is not that of winding its spring up.
+"""
 
 
 @pytest.fixture
 def weak(tmp_path: Path) -> str:
     file = tmp_path / "weak.yaml"
-    motors = f"{{bend: {{stall_torque: {STALL_NM} Nm}}}}"
+    motors = f"{{bend: {{stall_torque: {STALL_NM} Nm, no_load_speed: 1 rad/s}}}}"
     file.write_text(f"format: 1\nrobot: pirate_ii\nmotors: {motors}\n", "utf-8")
     return str(file)
 
@@ -55,7 +58,7 @@ def test_belief_in_a_clamp_asks_for_what_the_fitted_motor_bears(tmp_path: Path, 
     assumed = record(tmp_path / "assumed.mcap", Order("enter_2d", twin=weak, check=False))
     fitted = record(tmp_path / "fit.mcap", Order("enter_2d", twin=weak, fitted=weak, check=False))
 
-    assert clamped_after_s(fitted) < clamped_after_s(assumed) - 0.5
+    assert clamped_after_s(fitted) < clamped_after_s(assumed) - 0.8
 
 
 def test_belief_from_a_fitted_file_is_replayed_without_the_file(tmp_path: Path, weak: str) -> None:

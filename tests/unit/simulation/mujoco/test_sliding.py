@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -41,20 +43,21 @@ def test_a_wheel_that_slides_lightly_along_a_wall_has_its_kinetic_friction(
     chain: ChainBody,
 ) -> None:
     """The front bends until its second wheel slides along a wall, pressed with about 1 N."""
-    world = loose(chain)
-    world.duties[1], world.duties[2] = -1.0, 0.7
+    quick = {at: replace(joint, rate_rad_s=1.0) for at, joint in chain.joints.items()}
+    world = loose(replace(chain, joints=quick))
+    world.duties[1], world.duties[2] = -0.7, 0.7
     wheel, layout = 1, QuantityLayout(chain.nodes)
     geom = world.model.geom(f"wheel_{wheel}").id
     coefficients: list[float] = []
     arc_m = 0.0
-    for _ in range(360):
+    for _ in range(130):
         world.advance()
         places = world.places()
         at_wall = abs(places[wheel][1]) > 0.06 - chain.wheel_radius_m - 5e-4
         speed_m_s = abs(places[wheel][0] - arc_m) / CYCLE_S
         arc_m = places[wheel][0]
         third_is_free = world.quantities[layout.block("press")][2] == 0.0
-        if at_wall and third_is_free and speed_m_s > 0.003:
+        if at_wall and third_is_free and speed_m_s > 0.01:
             coefficients.append(float(world.model.geom_friction[geom, 0]))
     assert len(coefficients) > 15
     sliding = [each for each in coefficients if each == pytest.approx(KINETIC)]

@@ -19,6 +19,8 @@ from pirate_sm.core._engine.sensing.odometry import BASE_M, counting, judge, unh
 from pirate_sm.core._loading.robot.loader import load_robot
 
 ROUND_S, SPEED = 0.1, 0.8
+BEYOND = 1.05 + 1e-9
+"""Just more than a motor may turn faster than its profile says; at 1.05 itself rounding decides."""
 LEVEL, UP = 0.0, pi / 2
 
 
@@ -567,11 +569,12 @@ def test_wheels_that_are_pushed_hold_against_those_that_push() -> None:
 @pytest.mark.parametrize(
     ("fastest", "forces", "pitch_rad", "rolls"),
     [
-        (1.06, [0.1, 0.02], LEVEL, True),
-        (-1.06, [0.1, 0.02], LEVEL, True),
-        (1.05, [0.02, 0.1], LEVEL, False),  # the faster it turns, the less force: wheels that slip
+        (BEYOND, [0.1, 0.02], LEVEL, True),
+        (-BEYOND, [0.1, 0.02], LEVEL, True),
+        # The faster it turns, the less force: wheels that slip.
+        (BEYOND, [0.02, 0.1], LEVEL, False),
         (1.0, [0.1, 0.02], LEVEL, False),  # its motor may turn so fast
-        (1.05, [0.1, 0.02], 0.6, False),  # up a slope it may slide back
+        (BEYOND, [0.1, 0.02], 0.6, False),  # up a slope it may slide back
     ],
 )
 def test_belief_in_a_way_lasts_where_the_wall_turns_the_fastest_wheel(
@@ -679,10 +682,12 @@ def test_belief_in_the_mean_of_the_wheels_ends_as_far_as_most_of_them_show_anoth
     world = World()
     world.speeds = [travel * each for each in speeds]
 
-    world.drive(20)
+    # After 20 rounds the slowest wheel is 29 mm behind the others, and is not believed any more.
+    world.drive(13)
 
-    rolled_m = way_m(20, sum(speeds) / 6)
-    assert world.bound_m == pytest.approx(BASE_M + 0.006 * rolled_m + way_m(20, off), rel=0.07)
+    assert world.sensing.distance.out == set()
+    rolled_m = way_m(13, sum(speeds) / 6)
+    assert world.bound_m == pytest.approx(BASE_M + 0.006 * rolled_m + way_m(13, off), rel=0.02)
 
 
 def test_most_wheels_that_differ_as_much_on_the_way_back_show_the_same_way_as_all() -> None:

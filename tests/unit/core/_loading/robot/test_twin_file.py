@@ -161,7 +161,10 @@ def test_a_robot_of_the_sample_is_named_by_its_number_or_by_the_seed(
         (SAMPLE.replace("0.06", "-1"), "robot 1 of the sample: wheel hold_torque"),
         (SAMPLE.replace("0.6", "0.1"), "kinetic friction cannot be more than static"),
         (SAMPLE.replace("assumed: [friction", "assumed: [wheel"), "'wheel static' is assumed"),
-        (SAMPLE.replace("friction static, friction", "friction kinetic, friction"), "has a name twice"),
+        (
+            SAMPLE.replace("friction static, friction", "friction kinetic, friction"),
+            "has a name twice",
+        ),
         ("", "it has one robot and no `sample`"),
     ],
 )
