@@ -24,6 +24,17 @@ def test_the_bend_is_passed_from_and_to_an_upright_leg(run, pipe, seed):
     assert record.of(Fault) == []
 
 
+@pytest.mark.parametrize("bore_mm", thorough_but([113], [105, 110, 113, 115, 117]))
+def test_a_flat_bend_is_passed_in_any_bore(run, tmp_path, bore_mm):
+    pipe = tmp_path / "pipe.yaml"
+    text = library.find_pipe("mitre_90").read_text("utf-8")
+    assert "diameter: 120 mm" in text
+    pipe.write_text(text.replace("diameter: 120 mm", f"diameter: {bore_mm} mm"), "utf-8")
+    record = run("take_bend", backend="sim", pipe=str(pipe), seed=9801)
+    assert record.ended.outcome == "succeeded", record.ended.message
+    assert min(record.prepared.backend.truth.arcs_m) > CROSSING_M
+
+
 @pytest.fixture
 def late(tmp_path):
     """The mission for an upright leg that moves its clamping too late, so that it slides."""
@@ -32,7 +43,8 @@ def late(tmp_path):
     shutil.copytree(library.find_pipe("mitre_90").parent, tmp_path / "pipes")
     path = tmp_path / "take_bend.yaml"
     text = path.read_text("utf-8")
-    right = "when: gamma_2 < 15 deg and gamma_2 > -30 deg,"
+    in_time = "(gamma_2 < -2 deg or gamma_2 < 15 deg and diameter_rear > 116 mm)"
+    right = f"when: {in_time} and gamma_2 > -30 deg,"
     assert right in text
     text = text.replace(right, "when: detector == in, held: 200 ms,")
     answer = "{fault: clamp.slipping, go: again}"
