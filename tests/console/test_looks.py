@@ -36,7 +36,13 @@ def text_of(me: Operator) -> str:
 
 
 @pytest.mark.parametrize(
-    "size", [(160, 48), (120, 36), (80, 24)], ids=lambda size: f"{size[0]}x{size[1]}"
+    "size",
+    [
+        pytest.param((160, 48), marks=pytest.mark.thorough),
+        pytest.param((120, 36), marks=pytest.mark.thorough),
+        (80, 24),
+    ],
+    ids=lambda size: f"{size[0]}x{size[1]}",
 )
 def test_the_screen_is_as_in_the_documents(size: tuple[int, int]) -> None:
     async def story() -> None:

@@ -158,7 +158,7 @@ def test_a_question_about_a_motion_is_not_open_after_the_stop(stops: Stops, look
 
 @pytest.mark.parametrize(
     ("stops", "looks"),
-    thorough_but([(by_the_key_of_a_terminal, False), (by_a_fault, True)], SOON_AND_LATER[2:]),
+    thorough_but([(by_a_fault, True)], SOON_AND_LATER[2:]),
 )
 def test_the_list_of_phases_is_not_open_after_the_stop(stops: Stops, looks: bool) -> None:
     async def story() -> None:

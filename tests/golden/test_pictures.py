@@ -39,6 +39,7 @@ def test_a_picture_of_a_camera_shows_what_it_sees(name: str) -> None:
     assert apart.mean() < 2.0, "the camera sees something else: make pictures"  # JPEG: below 1
 
 
+@pytest.mark.thorough
 def test_the_animated_bend_is_the_simulators() -> None:
     if os.environ.get("GOLDEN") == "write":
         PICTURE.write_text(drawn(), encoding="utf-8")

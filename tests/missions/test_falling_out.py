@@ -63,13 +63,16 @@ def test_belief_in_a_success_ends_where_a_robot_lets_go_in_an_upright_pipe(
 
 @pytest.mark.parametrize(
     ("backend", "upright_s", "fault"),
-    [
-        ("sim", 50, "robot.fallen"),
-        ("physics", 50, "robot.fallen"),
-        ("sim", 52, "robot.fallen"),
-        # Turned so slowly it has slid 0.4 m before it falls.
-        ("physics", 52, "robot.slid"),
-    ],
+    thorough_but(
+        {("sim", 52, "robot.fallen")},
+        [
+            ("sim", 50, "robot.fallen"),
+            ("physics", 50, "robot.fallen"),
+            ("sim", 52, "robot.fallen"),
+            # Turned so slowly it has slid 0.4 m before it falls.
+            ("physics", 52, "robot.slid"),
+        ],
+    ),
 )
 def test_belief_in_a_success_ends_when_a_loose_robot_slides_out(
     run, tmp_path, backend, upright_s, fault
@@ -121,7 +124,7 @@ def test_belief_in_a_success_ends_when_a_bend_ends_a_fall(run, tmp_path, backend
     assert record.ended.message.split(":")[0] in ("robot.fallen", "robot.slid")
 
 
-@pytest.mark.parametrize("backend", thorough_but(["sim", "bay"], ["sim", "physics", "bay"]))
+@pytest.mark.parametrize("backend", thorough_but(["sim"], ["sim", "physics", "bay"]))
 def test_a_robot_that_lets_go_where_it_lies_has_not_slid(run, tmp_path, backend):
     mission = tmp_path / "lets_go.yaml"
     commands = "Reset, ClampRear, Reset, ClampFront, Reset"

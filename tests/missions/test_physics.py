@@ -10,7 +10,10 @@ import pytest
 import pirate_sm
 from benchmarks.campaign import run
 from pirate_sm.api import Run
+from pirate_sm.core import library
+from pirate_sm.core.loading import load_robot
 from pirate_sm.running.wiring import Order
+from pirate_sm.simulation.physics import chain_of
 
 CROSSING_M = 1.0
 
@@ -30,10 +33,14 @@ def test_the_bend_is_passed_in_about_the_same_time(defects: tuple[str, ...]) -> 
 
 
 @pytest.mark.thorough
-def test_a_round_pipe_is_driven_in_space_and_in_its_plane_alike() -> None:
+@pytest.mark.parametrize("quick", [True, False])
+def test_a_round_pipe_is_driven_in_space_and_in_its_plane_alike(
+    assumed_speeds: str, quick: bool
+) -> None:
     """Its clamps close sooner: on the floor walls are nearer to each other than a diameter."""
+    twin = assumed_speeds if quick else None
     plane, space, flat = (
-        pirate_sm.run("exp_1_round", backend=backend, pipe=pipe)
+        pirate_sm.run("exp_1_round", backend=backend, pipe=pipe, twin=twin)
         for backend, pipe in (
             ("physics", "straight_113"),
             ("physics", "straight_113_round"),
@@ -44,8 +51,18 @@ def test_a_round_pipe_is_driven_in_space_and_in_its_plane_alike() -> None:
     assert space.outcome == plane.outcome == flat.outcome == "succeeded"
     assert driven_s(space) == pytest.approx(driven_s(plane), rel=0.05)
     assert clamped_s(space) < clamped_s(plane)
-    assert clamped_s(space) == pytest.approx(clamped_s(flat), rel=0.06)
+    if quick:  # less of the time is that of clamping
+        assert space.duration_s == pytest.approx(plane.duration_s, rel=0.05)
+    # Forces of clamps that close from loose differ, and with them when the last joint stands.
+    assert clamped_s(space) == pytest.approx(clamped_s(flat), abs=winding_s(quick))
     assert way_m(space) == pytest.approx(way_m(plane), abs=0.03)
+
+
+def winding_s(quick: bool) -> float:
+    """Return the time constant by which a motor winds its joint's spring up."""
+    joint = chain_of(load_robot(library.robots()[0]).profile).joints[1]
+    rate_rad_s = 1.0 if quick else joint.rate_rad_s
+    return joint.stall_nm / (rate_rad_s * joint.stiffness_nm_rad)
 
 
 def clamped_s(run: Run) -> float:

@@ -57,7 +57,7 @@ STEP = next(row for row in ROWS if row.name == "step to 110 mm")
 VARIED = {"start_jitter_m": 0.02, "friction_jitter": 0.20, "diameter_jitter_m": 0.002}
 
 
-@pytest.mark.parametrize("seed", [56, 190])
+@pytest.mark.parametrize("seed", thorough_but([56], [56, 190]))
 def test_a_robot_that_is_stuck_at_a_step_clamps_gently_and_drives_the_rest_of_its_way(
     tmp_path: Path, seed: int
 ) -> None:
@@ -83,7 +83,9 @@ def over_the_step_upright(tmp_path: Path, seed: int, friction: float, twin: str 
     return outcome
 
 
-@pytest.mark.parametrize(("seed", "friction"), [(0, 0.5), (2, 0.7), (4, 0.5), (6, 0.5)])
+@pytest.mark.parametrize(
+    ("seed", "friction"), thorough_but([(2, 0.7)], [(0, 0.5), (2, 0.7), (4, 0.5), (6, 0.5)])
+)
 def test_a_way_over_a_step_in_an_upright_pipe_is_as_long_as_it_is_said_to_be(
     tmp_path: Path, seed: int, friction: float
 ) -> None:
@@ -94,7 +96,10 @@ def test_a_way_over_a_step_in_an_upright_pipe_is_as_long_as_it_is_said_to_be(
 
 @pytest.mark.parametrize(
     ("seed", "friction", "end"),
-    [(0, 0.5, "succeeded"), (2, 0.7, "fault"), (4, 0.5, "fault"), (6, 0.5, "fault")],
+    thorough_but(
+        [(2, 0.7, "fault")],
+        [(0, 0.5, "succeeded"), (2, 0.7, "fault"), (4, 0.5, "fault"), (6, 0.5, "fault")],
+    ),
 )
 def test_belief_in_a_way_over_a_step_in_an_upright_pipe_ends_where_wheels_slipped(
     tmp_path: Path, assumed_speeds: str, seed: int, friction: float, end: str

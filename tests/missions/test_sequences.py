@@ -76,7 +76,10 @@ def test_a_shipped_mission_is_found_by_its_name_and_says_what_it_does(path):
 
 
 @pytest.mark.parametrize("backend", ["trace", "sim"])
-@pytest.mark.parametrize("mission", ["mitre_bend", "exp_2a_commands", "exp_2b_detector"])
+@pytest.mark.parametrize(
+    "mission",
+    thorough_but(["exp_2a_commands"], ["mitre_bend", "exp_2a_commands", "exp_2b_detector"]),
+)
 def test_the_bend_shows_the_nine_snapshots(run, mission, backend):
     assert _contains(run(mission, backend=backend).states, FIG_6_9)
 
@@ -103,7 +106,7 @@ def test_climbing_holds_its_place(run):
     assert record.prepared.truth().distance_m == pytest.approx(0.0, abs=0.02)
 
 
-@pytest.mark.parametrize("seed", thorough_but(range(2), range(20)))
+@pytest.mark.parametrize("seed", thorough_but([0], range(20)))
 def test_entering_in_3d_turns_both_parts_from_upright_into_the_horizontal_plane(run, seed):
     record = run(
         "enter_3d", backend="sim", seed=seed,
@@ -204,7 +207,10 @@ def _changed(tmp_path, pipe, **keys):
     return str(path)
 
 
-@pytest.mark.parametrize("mission", ["mitre_bend", "exp_2a_commands", "exp_2b_detector"])
+@pytest.mark.parametrize(
+    "mission",
+    thorough_but(["mitre_bend"], ["mitre_bend", "exp_2a_commands", "exp_2b_detector"]),
+)
 def test_a_stuck_robot_ends_clamped_and_says_so(run, tmp_path, mission):
     pipe = _changed(tmp_path, "mitre_90", blockages="[{at: 850 mm, lasting: 1 h}]")
     record = run(mission, backend="sim", pipe=pipe)
@@ -255,7 +261,10 @@ def test_a_falling_robot_is_noticed_and_keeps_its_clamps(run, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("quick", "later"), [(True, "motion.unasked"), (False, "distance.unknown")]
+    ("quick", "later"),
+    thorough_but(
+        [(True, "motion.unasked")], [(True, "motion.unasked"), (False, "distance.unknown")]
+    ),
 )
 def test_a_robot_whose_wheels_spin_at_the_edge_of_a_slippery_stretch_does_not_fall(
     run, tmp_path, assumed_speeds, quick, later

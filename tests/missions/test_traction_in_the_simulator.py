@@ -120,6 +120,7 @@ def test_blocked_forces_and_the_friction_of_the_slipping_wheel_are_right_within_
     assert median(s["mu_6"] for s, _ in samples) == pytest.approx(0.2, rel=0.05)
 
 
+@pytest.mark.thorough
 def test_wheels_that_do_not_slip_show_no_friction(upright):
     shown = lambda s: any(not isnan(s[f"mu_{wheel}"]) for wheel in WHEELS)  # noqa: E731
 

@@ -265,6 +265,7 @@ def test_a_run_says_how_hard_the_robot_presses_and_between_which_bounds(
         session.run.normal_forces("now")  # type: ignore[arg-type]
 
 
+@pytest.mark.thorough
 def test_nothing_is_said_of_normal_forces_in_a_bend() -> None:
     run = pirate_sm.run("take_bend", seed=1)
 

@@ -33,6 +33,7 @@ def test_a_defect_is_a_fault_of_the_run_and_no_exception() -> None:
     assert "wheel.dead" in run.faults["code"]
 
 
+@pytest.mark.thorough
 def test_belief_is_tried_with_timed_defects_in_both_simulators_and_the_run_repeats() -> None:
     drawn = {"defect": "wheel_1_dead", "after": "1 s..3 s"}
     # It takes 5 s at 0.15 m/s: 3 s at most until the wheel dies, and 1.7 s until that is found.

@@ -13,6 +13,7 @@ from pirate_sm.core.loading import load_pipe, load_robot
 from pirate_sm.simulation.defects import named
 
 
+@pytest.mark.thorough
 def test_belief_is_tried_in_pipes_and_with_defects_that_can_be_and_repeat(tmp_path: Path) -> None:
     robots = {
         name: load_robot(library.find_robot(name)).profile

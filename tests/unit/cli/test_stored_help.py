@@ -73,6 +73,7 @@ def test_help_for_a_narrow_terminal_is_laid_out_and_imports_no_models(line: str)
     assert not modules & HEAVY - {"pydantic"}  # which typer itself imports
 
 
+@pytest.mark.thorough
 def test_a_check_of_a_mission_imports_only_what_its_files_need() -> None:
     """The number may only fall (decision 122)."""
     told, modules = imported("pirate check sequences/drive_on.yaml", COLUMNS="80")

@@ -51,6 +51,7 @@ def test_ours_are_found_without_a_search_through_what_is_installed(
     assert registry.find("first") is FIRST.make
 
 
+@pytest.mark.thorough
 def test_a_list_of_ours_loads_neither_the_simulator_nor_the_serial_link() -> None:
     code = (
         "import sys; from pirate_sm.running.wiring import BACKENDS; "

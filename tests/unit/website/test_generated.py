@@ -15,6 +15,7 @@ def made() -> dict[str, str]:
     return dict(pages())
 
 
+@pytest.mark.thorough
 def test_the_command_line_has_every_command(made: dict[str, str]) -> None:
     text = made["reference/command_line.md"]
 

@@ -17,6 +17,7 @@ def setup() -> BendSetup:
     return found.model_copy(update={"seen": {}})
 
 
+@pytest.mark.thorough
 def test_the_bend_is_passed_by_commands_and_by_sequences(setup: BendSetup) -> None:
     values = repeat_bend(setup, ("2a", "2b")).values
 

@@ -48,7 +48,9 @@ def boards(
     }
 
 
-@pytest.mark.parametrize("lens", [FISHEYE, BROWN], ids=["fisheye", "brown"])
+@pytest.mark.parametrize(
+    "lens", [pytest.param(FISHEYE, marks=pytest.mark.thorough), BROWN], ids=["fisheye", "brown"]
+)
 def test_the_lens_is_found_again(lens: Lens) -> None:
     result = calibrate(boards(lens), BOARD, SIZE, lens.model)
 
@@ -143,6 +145,7 @@ def test_boards_of_one_pose() -> None:
     assert "boards lie at nearly the same angle" in str(calibrate(seen, BOARD, SIZE, "brown"))
 
 
+@pytest.mark.thorough
 def test_corners_that_fit_no_lens_well() -> None:
     result = calibrate(boards(FISHEYE, noise_px=1.0), BOARD, SIZE, "fisheye")
 

@@ -54,6 +54,7 @@ def workers(request, monkeypatch):
         monkeypatch.setattr(multiprocessing, "get_context", lambda _: threads)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("workers")
 def test_shared_out_the_same_is_found(run):
     assert replay_shared(run, 2) == alone(run)

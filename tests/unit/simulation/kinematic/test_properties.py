@@ -37,6 +37,9 @@ SETTLED = 10.0
 """After so many of the slowest time constants 5e-5 is left of what a motion has begun with."""
 
 both = pytest.mark.parametrize("section", KINDS)
+between_bars = pytest.mark.parametrize(
+    "section", ["bars", pytest.param("round", marks=pytest.mark.thorough)]
+)
 seeds = pytest.mark.parametrize(
     "seed", [1, *(pytest.param(more, marks=pytest.mark.thorough) for more in range(2, 10))]
 )
@@ -191,7 +194,7 @@ def test_a_robot_that_is_turned_round_goes_the_same_way_back(
 # --- steps and energy ----------------------------------------------------------------------------
 
 
-@both
+@between_bars
 @seeds
 def test_steps_of_2_of_1_and_of_half_a_millisecond_lead_to_the_same(
     chain: ChainBody, section: Section, seed: int, monkeypatch: pytest.MonkeyPatch
@@ -265,7 +268,7 @@ def test_a_robot_outside_of_every_pipe_falls_freely(chain: ChainBody, section: S
 # --- statics and motors --------------------------------------------------------------------------
 
 
-@both
+@between_bars
 @seeds
 def test_normal_forces_lie_between_what_statics_admit(
     chain: ChainBody, section: Section, seed: int

@@ -71,6 +71,7 @@ def told(code: str, **environment: str) -> str:
     return done.stdout.strip() or done.stderr
 
 
+@pytest.mark.thorough
 @built
 def test_the_simulator_needs_no_numba() -> None:
     assert told(SHORT) == "succeeded"

@@ -130,6 +130,7 @@ def test_leaving_does_not_wait_for_an_answer() -> None:
         process.ask(time.sleep, 3600)
 
 
+@pytest.mark.thorough
 def test_whoever_asks_when_it_was_left_gets_no_answer_and_starts_no_process() -> None:
     """One was started again, which nobody ended."""
     with CheckProcess() as process:

@@ -121,6 +121,7 @@ def test_a_fault_of_an_inherited_grip_is_told_once_where_the_grip_stands(tmp_pat
     }
 
 
+@pytest.mark.thorough
 def test_a_profile_of_a_recording_may_name_the_limit_of_unmoved_joints_as_it_did(
     tmp_path: Path,
 ) -> None:

@@ -82,6 +82,7 @@ def test_the_topics_have_types_of_ros(bag: Bag) -> None:
     assert bag.durable == ["/robot_description"]
 
 
+@pytest.mark.thorough
 def test_joints_are_those_of_the_urdf_with_what_was_measured(
     bag: Bag, recording: Recording
 ) -> None:
@@ -101,7 +102,10 @@ def test_joints_are_those_of_the_urdf_with_what_was_measured(
     assert any(isfinite(it.effort[joint]) for _, it in bag.messages["/joint_states"])
 
 
-@pytest.mark.parametrize(("case", "root"), [("bag", "pipe"), ("in_space", "world")])
+@pytest.mark.parametrize(
+    ("case", "root"),
+    [("bag", "pipe"), pytest.param("in_space", "world", marks=pytest.mark.thorough)],
+)
 def test_the_frames_are_one_tree_with_every_link_of_the_urdf(
     case: str, root: str, request: pytest.FixtureRequest
 ) -> None:
@@ -155,6 +159,7 @@ def test_a_folder_that_is_there_stays_as_it_is(recording: Recording, tmp_path: P
     assert [each.name for each in tmp_path.iterdir()] == ["mine"]
 
 
+@pytest.mark.thorough
 def test_of_a_bag_that_cannot_be_completed_nothing_is_left(
     recording: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
