@@ -17,7 +17,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo gallery wheel update test test-thorough test-cluster test-pty test-browser test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps belief robots campaigns space twin learning mistakes mutants physics vision thesis clean
+.PHONY: help demo gallery wheel update test test-thorough test-cluster test-pty test-browser test-firmware test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps belief robots campaigns space twin learning mistakes mutants physics vision thesis clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -25,6 +25,7 @@ help:
 	@echo "make test    style, types, layers and tests"
 	@echo "make test-thorough  every mission, guide and scene to its end, and more examples of each property"
 	@echo "make test-browser  a report's page in the Chromium that is installed"
+	@echo "make test-firmware  the firmware of the controller: its parts, and what is flashed in a simulated controller"
 	@echo "make test-cluster  campaigns on a Dask cluster of processes, some of which are killed"
 	@echo "make test-built  the simulator's machine code, and the package as it is installed"
 	@echo "make test-wheel  the wheel in dist/ in an empty environment: a mission, its report, a scene"
@@ -75,7 +76,11 @@ test: check
 # takes about a second, and more examples of each property.
 test-thorough: $(VENV)/.ready-dev
 	PYTHONDONTWRITEBYTECODE= HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -n auto --maxprocesses 4 \
-	    --dist worksteal -m "(thorough or hypothesis) and not slow and not browser"
+	    --dist worksteal -m "(thorough or hypothesis) and not slow and not browser and not firmware"
+
+# It needs g++; what is flashed is built and run where avr-g++ and simavr are.
+test-firmware: $(VENV)/.ready-dev
+	$(BIN)/python -m pytest -m firmware tests/firmware
 
 test-browser: $(VENV)/.ready-browser
 	$(BIN)/python -m pytest -m browser tests/browser

@@ -21,6 +21,11 @@ TEXTS = {
 }
 """The source files by their names in the package."""
 
+FIRMWARE = {
+    file.relative_to(ROOT).as_posix(): file.read_text(encoding="utf-8")
+    for file in sorted((ROOT / "firmware" / "src").iterdir())
+}
+
 _WORD = re.compile(r"[A-Za-z]\w*")
 LONGEST_FILE = 500
 LONG_FILE, MOST_LONG_FILES = 400, 64
@@ -137,14 +142,15 @@ def test_a_compound_name_is_found_in_every_spelling() -> None:
 
 
 def test_no_source_file_names_anything_of_the_shipped_robot(shipped_names: set[str]) -> None:
-    found = {name: _foreign_words(text, shipped_names) for name, text in TEXTS.items()}
+    texts = TEXTS | FIRMWARE
+    found = {name: _foreign_words(text, shipped_names) for name, text in texts.items()}
 
     assert {name: words for name, words in found.items() if words} == {}
 
 
 def test_pirate_is_the_name_of_this_software_only() -> None:
     others = []
-    for name, text in TEXTS.items():
+    for name, text in (TEXTS | FIRMWARE).items():
         rest = OUR_NAME.sub("", text)
         if name.startswith("cli/"):
             rest = OUR_COMMAND.sub("", rest)

@@ -41,6 +41,7 @@ COMMANDS = {
     "doctor": ("devices:DoctorOptions", "doctor:run_doctor"),
     "calibrate": ("devices:CalibrateOptions", "calibrate:run_calibrate"),
     "bay": ("devices:BayOptions", "bay:run_bay"),
+    "firmware": ("files:FirmwareOptions", "firmware:write_tables"),
     "replay": ("recordings:ReplayOptions", "replay:run_replay"),
     "compare": ("recordings:CompareOptions", "compare:run_compare"),
     "export": ("recordings:ExportOptions", "export:run_export"),

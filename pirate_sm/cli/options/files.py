@@ -129,6 +129,20 @@ class PlanOptions(CommandOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
+class FirmwareOptions(CommandOptions):
+    """Write a robot's tables for its controller's firmware.
+
+    They are a header of C++, firmware/robot.h of the sketch.
+
+    Exit codes: 0 written, 2 invalid files or arguments.
+    """
+
+    robot: str = argument("ROBOT", candidates.robots, "A shipped robot, or its folder.")
+    output: Path | None = common.output()
+    overwrite: bool = common.overwrite()
+
+
+@dataclass(frozen=True, kw_only=True)
 class RobotOptions(CommandOptions):
     """Draw a robot, and write what each command needs and does.
 

@@ -27,6 +27,7 @@ _MARKS: dict[str, tuple[bytes, ...]] = {
         b'<svg xmlns="http://www.w3.org/2000/svg" class="drawing" role="img"',
         b'<svg xmlns="http://www.w3.org/2000/svg" class="sheet"',
     ),
+    ".h": (b"written by `pirate firmware ",),
     ".parquet": (b"pirate-sm",),
     **dict.fromkeys((".log", ".jsonl"), (b'{"at_s": ',)),
     **dict.fromkeys((".dot", ".gv"), (b"labelloc=t, labeljust=l, fontname=monospace]",)),
