@@ -139,6 +139,7 @@ schemas: $(VENV)/.ready-dev
 bench: $(VENV)/.ready-bench
 	$(BIN)/python -m benchmarks.bench
 	$(BIN)/python -m benchmarks.check
+	$(BIN)/python -m benchmarks.growth
 
 seeds: $(VENV)/.ready-campaign
 	$(BIN)/pirate campaign campaigns/bend.yaml --resume
@@ -244,7 +245,7 @@ $(VENV)/.ready-learning: EXTRAS := dev,jit,gym
 $(VENV)/.ready-browser: EXTRAS := browser,dev,jit
 $(VENV)/.ready-docs: EXTRAS := docs,jit,gym
 $(VENV)/.ready-pictures: EXTRAS := browser,jit,vision
-$(VENV)/.ready-bench: EXTRAS := bench,jit
+$(VENV)/.ready-bench: EXTRAS := bench,jit,campaign
 $(VENV)/.ready-vision: EXTRAS := jit,vision
 $(VENV)/.ready-soak: EXTRAS := jit,serial
 $(VENV)/.ready-mutants: EXTRAS := mutants,dev,docs,jit,campaign,sensitivity,physics,serial,live,vision

@@ -201,10 +201,16 @@ def measure_long(hours: float, kept: Path | None) -> None:
         folder = Path(name)
         path = kept or folder / "long.mcap"
         if not path.exists():
-            mission = folder / "long.yaml"
-            text = MISSION.read_text(encoding="utf-8")
-            mission.write_text(text.replace("10 min", f"{hours:g} h"), encoding="utf-8")
-            made = ("run", mission, "--no-check", "-q", "--speed", "max", "--record", path)
+            made = (
+                "run",
+                _lasting(folder, hours),
+                "--no-check",
+                "-q",
+                "--speed",
+                "max",
+                "--record",
+                path,
+            )
             _command(*made, code=OVER)
         size = path.stat().st_size
         print(f"    {hours:g} h of mission time, {size / 1e6:.0f} MB")
@@ -218,6 +224,18 @@ def measure_long(hours: float, kept: Path | None) -> None:
         _command("replay", path, "--from", f"{hours * 0.9:g} h", "--until", f"{hours * 0.91:g} h")
         _command("repair", torn)
         _command("report", path, "-o", folder / "long.html")
+
+
+def record(path: Path, hours: float) -> None:
+    """Record so much mission time."""
+    _run(path, inf, inf, str(_lasting(path.parent, hours)))
+
+
+def _lasting(folder: Path, hours: float) -> Path:
+    """Return the file of the same mission that lasts so long."""
+    mission, text = folder / "long.yaml", MISSION.read_text(encoding="utf-8")
+    mission.write_text(text.replace("10 min", f"{hours:g} h"), encoding="utf-8")
+    return mission
 
 
 def _command(*arguments: object, code: int = 0) -> None:

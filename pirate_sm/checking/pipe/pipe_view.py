@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from bisect import bisect
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -71,29 +73,29 @@ class PipeView:
             return None
         return before.arc_m if before else 0.0, behind.arc_m if behind else self.fit.route.length_m
 
-    def stretch(self, number: int) -> tuple[Piece, ...]:
+    def stretch(self, number: int) -> Sequence[Piece]:
         """Return the straight pieces of one diameter in a stretch in which the route does not turn.
 
         Args:
             number: Which stretch, counted from that in which the robot starts.
         """
-        arcs = self.arcs(number)
-        if arcs is None:
-            return ()
-        return tuple(
-            piece
-            for piece in self.fit.route.pieces
-            if piece.arc is None
-            and piece.ends_with_m == piece.diameter_m
-            and arcs[0] < (piece.arc_m + piece.ends_m) / 2 < arcs[1]
-        )
+        return self._stretches.get(self.bends_behind_start + number, ())
+
+    @cached_property
+    def _stretches(self) -> Mapping[int, Sequence[Piece]]:
+        """Return the straight pieces of one diameter by how many bends are behind them."""
+        found, arcs = defaultdict[int, list[Piece]](list), [bend.arc_m for bend in self.bends]
+        for piece in self.fit.route.pieces:
+            if piece.arc is None and piece.ends_with_m == piece.diameter_m:
+                found[bisect(arcs, (piece.arc_m + piece.ends_m) / 2)].append(piece)
+        return found
 
     @cached_property
     def first_piece(self) -> Piece:
         """Return the piece in which the robot starts."""
         return self.fit.route.piece_at(self._middle_m)
 
-    @property
+    @cached_property
     def _middle_m(self) -> float:
         return self.pipe.start_of(self.fit.stretched_m) - self.fit.stretched_m / 2
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import atan2, cos, dist, inf, pi, remainder, sin, tan
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -113,7 +114,7 @@ class NetworkRun:
     ends: str = "exit"
     section: Section = "bars"
 
-    @property
+    @cached_property
     def diameters_m(self) -> tuple[float, ...]:
         """Return the inner diameter in front of each segment, and behind the last, m."""
         found = [self.diameter_m]
@@ -121,7 +122,7 @@ class NetworkRun:
             found.append(each.to_m if isinstance(each, Reducer) else found[-1])
         return tuple(found)
 
-    @property
+    @cached_property
     def taken_m(self) -> tuple[float, ...]:
         """Return by how much each segment shortens the inner wall of adjacent straights, m."""
         return tuple(

@@ -271,14 +271,43 @@ def crossings(network: Network, placement: Placement) -> Iterator[tuple[Piece, P
     is shortened by its radius, since pipes that follow each other round a short bend touch there.
     """
     pieces = [piece for run in placement.runs.values() for piece in run]
-    axes = [_axis(piece) for piece in pieces]
-    meeting = _neighbours(network, placement)
-    for (one, axis), (other, near) in combinations(zip(pieces, axes, strict=True), 2):
-        if frozenset((id(one), id(other))) in meeting:
-            continue
+    long = [(piece, axis) for piece in pieces if (axis := _axis(piece))]
+    neighbours = _neighbours(network, placement)
+    for pair in meeting([axis for _, axis in long], [_widest(piece) / 2 for piece, _ in long]):
+        (one, axis), (other, near) = (long[number] for number in pair)
         least = (_widest(one) + _widest(other)) / 2 - _TOUCH_M
-        if axis and near and _closer(axis, near, least):
+        if frozenset((id(one), id(other))) not in neighbours and _closer(axis, near, least):
             yield one, other
+
+
+def meeting(
+    shapes: Sequence[Sequence[Sequence[float]]], around: Sequence[float]
+) -> list[tuple[int, int]]:
+    """Return the pairs of shapes whose boxes meet, by their numbers, in order.
+
+    They are swept along the axis along which they reach farthest, so that only those are compared
+    that lie side by side (Ericson, Real-Time Collision Detection, section 7.5.1).
+
+    Args:
+        shapes: The points of each shape.
+        around: By how much its box is larger than these on all sides.
+    """
+    boxes = [
+        [(min(along) - more, max(along) + more) for along in zip(*points, strict=True)]
+        for points, more in zip(shapes, around, strict=True)
+    ]
+    axes = list(zip(*boxes, strict=True))
+    reach = [max(high for _, high in each) - min(low for low, _ in each) for each in axes]
+    axis = reach.index(max(reach)) if reach else 0
+    beside, found = list[int](), list[tuple[int, int]]()
+    for number in sorted(range(len(boxes)), key=lambda each: boxes[each][axis]):
+        own = boxes[number]
+        beside = [each for each in beside if boxes[each][axis][1] >= own[axis][0]]
+        for other in beside:
+            if all(a <= d and c <= b for (a, b), (c, d) in zip(own, boxes[other], strict=True)):
+                found.append((min(number, other), max(number, other)))
+        beside.append(number)
+    return sorted(found)
 
 
 def _neighbours(network: Network, placement: Placement) -> set[frozenset[int]]:

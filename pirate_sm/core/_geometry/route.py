@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations, pairwise
+from itertools import pairwise
 from math import cos, inf, nan, pi, sin, tan
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.core._geometry.network import BRANCH, Network, Piece, port_of
-from pirate_sm.core._geometry.placement import place
+from pirate_sm.core._geometry.placement import meeting, place
 from pirate_sm.core._geometry.space import Frame, Place, Vector
 
 # --- joints -----------------------------------------------------------------------------------
@@ -378,10 +378,11 @@ def crossing(route: Route) -> tuple[Piece, Piece] | None:
     Adjacent pieces meet at their fitting and are not compared.
     """
     side_a, side_b = walls(route)
-    for (i, one), (k, other) in combinations(enumerate(route.pieces), 2):
-        shapes = [(side_a[n], side_b[n], side_b[n + 1], side_a[n + 1]) for n in (i, k)]
-        if k - i > 1 and _overlap(shapes[0], shapes[1]):
-            return one, other
+    corners = pairwise(zip(side_a, side_b, strict=True))
+    shapes = [(a, b, beyond_b, beyond_a) for (a, b), (beyond_a, beyond_b) in corners]
+    for i, k in meeting(shapes, [0.0] * len(shapes)):
+        if k - i > 1 and _overlap(shapes[i], shapes[k]):
+            return route.pieces[i], route.pieces[k]
     return None
 
 

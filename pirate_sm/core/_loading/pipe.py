@@ -10,8 +10,8 @@ from pathlib import Path
 
 from pirate_sm.core._geometry.chain import height_m
 from pirate_sm.core._geometry.network import BRANCH, IN, ON, Network, NetworkRun, Piece, port_of
-from pirate_sm.core._geometry.placement import crossings, place
-from pirate_sm.core._geometry.route import Route, crossing, passages_of
+from pirate_sm.core._geometry.placement import Placement, crossings, place
+from pirate_sm.core._geometry.route import crossing, passages_of
 from pirate_sm.core._loading.problems import Path as At
 from pirate_sm.core._loading.problems import Problems
 from pirate_sm.core._loading.references import FileKind, refuse_other
@@ -120,12 +120,12 @@ def check_pipe(pipe: Pipe, document: Document, problems: Problems) -> None:
     check_section(document, problems)
     if pipe.section == "bars":
         _check_flat(pipe, document, problems)
-    runs = pipe.network().runs
+    network = pipe.network()
     for name, written in pipe.written.items():
-        _check_shape(runs[name], written, at, about)
-    _check_junctions(pipe, at, about)
+        _check_shape(network.runs[name], written, at, about)
+    _check_junctions(pipe, network, at, about)
     if len(problems.errors) == before:  # otherwise the pieces have no positions
-        _check_space(pipe, at, about)
+        _check_space(pipe, network, at, about)
     if len(problems.errors) == before:
         _check_places(pipe, at, about)
 
@@ -237,9 +237,8 @@ def _touch(before: Segment, after: Segment) -> bool:
     return (one and not isinstance(after, Straight)) or (other and not isinstance(before, Straight))
 
 
-def _check_space(pipe: Pipe, at: At, problems: Problems) -> None:
+def _check_space(pipe: Pipe, network: Network, at: At, problems: Problems) -> None:
     """Report runs that miss their junctions, and pieces of the pipe that overlap."""
-    network = pipe.network()
     placement = place(network)
     for name, begins, message in placement.misfits:
         key = "from" if begins else "to"
@@ -247,7 +246,7 @@ def _check_space(pipe: Pipe, at: At, problems: Problems) -> None:
         problems.add("pipe.junction", (*at, *path), message)
     if placement.misfits:
         return
-    for one, other in _overlaps(pipe, network):
+    for one, other in _overlaps(pipe, network, placement):
         problems.add(
             "pipe.crossing",
             (*at, *pipe.path_of(other)),
@@ -256,10 +255,10 @@ def _check_space(pipe: Pipe, at: At, problems: Problems) -> None:
         )
 
 
-def _overlaps(pipe: Pipe, network: Network) -> Iterator[tuple[Piece, Piece]]:
+def _overlaps(pipe: Pipe, network: Network, placement: Placement) -> Iterator[tuple[Piece, Piece]]:
     if pipe.section == "round":
-        yield from crossings(network, place(network))
-    elif (found := crossing(Route(network))) is not None:
+        yield from crossings(network, placement)
+    elif (found := crossing(pipe.route())) is not None:
         yield found
 
 
@@ -297,7 +296,7 @@ def _check_places(pipe: Pipe, at: At, problems: Problems) -> None:
 
 def _length_m(pipe: Pipe, run: str) -> float:
     """Return the length of a run, m."""
-    return place(pipe.network()).runs[run][-1].ends_m
+    return pipe.route().placement.runs[run][-1].ends_m
 
 
 def _check_patches(patches: Sequence[Patch], prefix: At, problems: Problems) -> None:
@@ -315,13 +314,13 @@ def _check_patches(patches: Sequence[Patch], prefix: At, problems: Problems) -> 
 _SAME_M = 1e-6
 
 
-def _check_junctions(pipe: Pipe, at: At, problems: Problems) -> None:
+def _check_junctions(pipe: Pipe, network: Network, at: At, problems: Problems) -> None:
     """Report ports, ends and routes that do not exist, and diameters that do not fit a tee."""
     if pipe.runs is not None:
         _check_ports(pipe, at, problems)
-        _check_routes(pipe, at, problems)
+        _check_routes(pipe, network, at, problems)
     for junction in pipe.tees:
-        _check_mouth(pipe, junction, at, problems)
+        _check_mouth(pipe, network, junction, at, problems)
 
 
 def _ports(pipe: Pipe) -> Iterator[tuple[str, str, str]]:
@@ -363,14 +362,13 @@ def _check_ports(pipe: Pipe, at: At, problems: Problems) -> None:
             problems.add("pipe.junction", (*at, "ends", end), message, key=True)
 
 
-def _check_routes(pipe: Pipe, at: At, problems: Problems) -> None:
+def _check_routes(pipe: Pipe, network: Network, at: At, problems: Problems) -> None:
     """Report routes through unknown runs or runs that do not meet, and a missing route."""
     assert pipe.runs is not None  # as _check_junctions has seen
     runs = pipe.runs
     if not pipe.routes and len(runs) > 1:
         message = "a network of several runs needs a route: `routes: {NAME: [RUN, RUN]}`"
         problems.add("pipe.route", (*at, "runs"), message, key=True)
-    network = pipe.network()
     for route, names in pipe.routes.items():
         for number, name in enumerate(names):
             if name not in runs:
@@ -401,11 +399,11 @@ def _check_route(
         problems.add("pipe.route", path, str(error))
 
 
-def _check_mouth(pipe: Pipe, junction: str, at: At, problems: Problems) -> None:
+def _check_mouth(pipe: Pipe, network: Network, junction: str, at: At, problems: Problems) -> None:
     """Report a branch that is wider than the run of its tee, and a run that changes there."""
     arms: dict[str, tuple[str, PipeRun, float]] = {}
     for name, (run, _, _) in pipe.written.items():
-        diameters = pipe.network().runs[name].diameters_m
+        diameters = network.runs[name].diameters_m
         for port, diameter_m in ((run.from_port, diameters[0]), (run.to, diameters[-1])):
             if port_of(port)[0] == junction:
                 arms[port_of(port)[1]] = (name, run, diameter_m)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     BaseModel,
@@ -117,3 +117,10 @@ class Frozen(BaseModel):
     # The model of a file is built, with all its parts, when such a file is first read. To build
     # each part for itself as well would take a tenth of the time of a run.
     model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True, defer_build=True)
+
+    def __copy__(self) -> Self:
+        """Return a copy without cached properties: those of other fields are others."""
+        copied = super().__copy__()
+        for name in copied.__dict__.keys() - type(self).model_fields.keys():
+            del copied.__dict__[name]
+        return copied

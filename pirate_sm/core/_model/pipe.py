@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cached_property
 from math import cos, sin
 from typing import Annotated, Literal, NamedTuple, Self
 
@@ -192,7 +193,7 @@ class Pipe(Frozen):
             raise key_fault("it turns to the `tilt` that the pipe has already", "turns")
         return self
 
-    @property
+    @cached_property
     def written(self) -> Mapping[str, Written]:
         """Return the runs by name, also those that a list of segments stands for."""
         if self.runs is None:
@@ -205,7 +206,7 @@ class Pipe(Frozen):
             for name, run in self.runs.items()
         }
 
-    @property
+    @cached_property
     def _expanded(self) -> Expanded:
         return expanded(self.segments or (), self.diameter, self.patches)
 
@@ -259,6 +260,10 @@ class Pipe(Frozen):
 
     def route(self) -> Route:
         """Return the first route through the pipe."""
+        return self._route
+
+    @cached_property
+    def _route(self) -> Route:
         return Route(self.network())
 
     def path_of(self, piece: Piece) -> KeyPath:

@@ -30,6 +30,7 @@ SMALLEST = (
     "fidelity --row 'round: elbow' --seeds 1",
     "force_intervals",
     "gliding enter_2d --repeats 1",
+    "growth --small",
     "kills --rounds 1",
     "learning --play 1 --learn 1 --seeds 1 --envs 1 --repeats 1",
     "loops --seeds 1",

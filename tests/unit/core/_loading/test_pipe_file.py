@@ -184,6 +184,8 @@ def test_a_network_is_read_and_followed(tmp_path):
     assert pipe.along("past").route().crossings_m == ()
     assert pipe.network().closed == {"cap"}
     assert pipe.start_of(0.458) == 0.6
+    assert pipe.route() is pipe.route()
+    assert pipe.model_copy(update={"diameter": 0.1}).route().diameter_at(0.0) == 0.1
     assert pipe.diameter_at_start(0.458) == 0.12
 
 
