@@ -191,6 +191,7 @@ def test_the_api_names_a_faulty_package_in_the_same_words(example: Path) -> None
         session.advance(1.0)
 
 
+@pytest.mark.thorough
 def test_a_backend_that_is_misspelt_is_suggested(site: Path) -> None:
     result = pirate(site, "run", "mitre_bend", "--backend", "slow_lime")
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from representative import thorough_but
 
 from pirate_sm.core.geometry import GRAVITY_M_S2, Route
 from pirate_sm.core.models import Friction, Profile
@@ -130,7 +131,7 @@ def test_a_motor_too_weak_for_its_tyres_moves_nothing(chain: ChainBody, world: s
     assert robot.quantities[layout.block("drive")] == pytest.approx([0.009] * 6, rel=0.05)
 
 
-@pytest.mark.parametrize("duty", [1.0, -0.4])
+@pytest.mark.parametrize("duty", thorough_but([-0.4], [1.0, -0.4]))
 def test_the_robot_goes_as_far_as_its_wheels_roll(put: Place, duty: float) -> None:
     robot = put(at=2.5)
     robot.clamp(*JOINTS)

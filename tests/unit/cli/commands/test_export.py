@@ -36,6 +36,7 @@ def test_everything_that_is_asked_for_is_written_and_named(
     assert ElementTree.parse(files["plotjuggler"]).getroot().tag == "root"
 
 
+@pytest.mark.thorough
 def test_the_recording_for_viewers_is_a_new_file(pirate: Any, run: Path, tmp_path: Path) -> None:
     place, other = tmp_path / "all.mcap", tmp_path / "other.mcap"
     other.write_text("mine")

@@ -24,6 +24,7 @@ def _with_a_pipe(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "u_turn.yaml").write_text(U_TURN, encoding="utf-8")
 
 
+@pytest.mark.thorough
 def test_the_check_accepts_a_mission_along_a_route(pirate) -> None:
     assert pirate("new", "mission", "trip", "--pipe", "u_turn").exit_code == 0
     checked = pirate("check", "trip.yaml")

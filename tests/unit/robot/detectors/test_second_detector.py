@@ -150,6 +150,7 @@ def test_both_count_from_the_place_that_the_user_names() -> None:
     ]
 
 
+@pytest.mark.thorough
 def test_the_log_of_a_run_from_python_shows_it() -> None:
     run = pirate_sm.run("mitre_bend", also="odometry", seed=1)
 

@@ -125,7 +125,7 @@ def execute(ready: Prepared, sight: CameraSight) -> tuple[str, str, list[object]
     return result.ended.outcome, result.ended.message, effects
 
 
-@pytest.mark.parametrize("make", [tags, marker])
+@pytest.mark.parametrize("make", [tags, pytest.param(marker, marks=pytest.mark.thorough)])
 def test_the_bend_is_passed_by_what_is_seen(make: Callable[..., CameraSight]) -> None:
     ready, eye = setting(noise_m=0.002)
 

@@ -85,7 +85,7 @@ def test_it_is_silent_until_wheels_are_driven_and_after_the_robot_has_gone() -> 
     assert said[-1][0] == "through"
 
 
-@pytest.mark.parametrize("seed", thorough_but(range(4), range(12)))
+@pytest.mark.parametrize("seed", thorough_but([0], range(12)))
 def test_noise_on_the_places_never_says_the_words_of_the_way_back(seed: int) -> None:
     # The last word of the way back holds at first: the robot stands before the bend.
     forward = say(course(0.7, 1.5), noise_m=0.005, seed=seed)

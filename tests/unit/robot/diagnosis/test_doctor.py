@@ -171,7 +171,11 @@ def test_a_joint_whose_load_is_not_shown_may_bear_one(
         assert "bend_1" in moving.bearing
 
 
-@pytest.mark.parametrize("line", [{}, {"delay_s": 0.1}, {"jitter_s": 0.05}], ids=str)
+@pytest.mark.parametrize(
+    "line",
+    [{}, {"delay_s": 0.1}, pytest.param({"jitter_s": 0.05}, marks=pytest.mark.thorough)],
+    ids=str,
+)
 def test_the_robot_has_seen_every_array_that_is_counted_as_written_or_repeated(
     connect: Connect, line: dict[str, float]
 ) -> None:

@@ -82,6 +82,7 @@ def test_without_a_ruler_slip_and_friction_are_unknown_and_forces_are_not(alone:
     assert known(alone, "body_speed_m_per_s"), "wheels that agree show it"
 
 
+@pytest.mark.thorough
 def test_csv_files_hold_them_with_unknown_left_empty(folder: Path, seen: Run) -> None:
     for name in ("seen", "alone"):
         recording = read_recording(folder / f"{name}.mcap")
