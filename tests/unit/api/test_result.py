@@ -234,6 +234,7 @@ def test_what_is_no_recording_is_refused(tmp_path: Path) -> None:
         pirate_sm.read(tmp_path / "notes.mcap")
 
 
+@pytest.mark.thorough
 def test_a_run_says_how_hard_the_robot_presses_and_between_which_bounds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

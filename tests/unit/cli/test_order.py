@@ -115,6 +115,7 @@ def test_jitter_changes_a_run_and_its_seed_repeats_it(pirate_run):
     assert first != other
 
 
+@pytest.mark.thorough
 def test_a_mission_runs_over_the_link_to_the_emulated_bay_in_virtual_time(pirate_run):
     words = ("enter_2d", "--no-record", "--quiet", "--backend", "bay")
     clean = pirate_run(*words)

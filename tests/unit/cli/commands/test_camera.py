@@ -194,6 +194,7 @@ def test_what_cannot_be_done_is_refused(
     assert said in result.stderr
 
 
+@pytest.mark.thorough
 def test_without_opencv_it_says_what_to_install() -> None:
     code = (
         "import sys; sys.modules['cv2'] = None; sys.modules['numpy'] = None;"

@@ -37,6 +37,7 @@ def test_each_wheel_has_its_peak_its_plateau_and_both_curves(pirate: Any, table:
     assert "for a pipe file (medians of the wheels): friction: {static: 0.3" in told.stdout
 
 
+@pytest.mark.thorough
 def test_it_is_written_into_a_pipe_file_a_page_and_a_table(
     pirate: Any, table: Path, tmp_path: Path
 ) -> None:

@@ -68,6 +68,7 @@ def test_no_setpoint_of_before_a_gap_is_in_force_after_it(tmp_path: Path) -> Non
     assert times[torn + 1] >= gap.until_s
 
 
+@pytest.mark.thorough
 def test_slip_before_a_gap_does_not_count_after_it(tmp_path: Path) -> None:
     recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
     repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")

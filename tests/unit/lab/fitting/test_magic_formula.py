@@ -36,6 +36,7 @@ def test_the_intervals_hold_the_true_parameters() -> None:
     assert fit.interval[2] == pytest.approx(0.01, abs=0.009)
 
 
+@pytest.mark.thorough
 def test_the_points_of_a_line_do_not_determine_where_it_would_bend() -> None:
     fit = fit_magic(X, 0.4 * X / 0.2 + 1e-3 * np.random.default_rng(3).standard_normal(len(X)))
 

@@ -115,6 +115,7 @@ def test_the_pipe_in_the_recording_makes_no_difference(recorded: Recording, foun
     assert pipe_text(mapped(lying), "found", "x") == pipe_text(found_map, "found", "x")
 
 
+@pytest.mark.thorough
 def test_a_bend_that_was_not_passed_is_said_to_be_unsure(recorded: Recording) -> None:
     halfway = [step for step in recorded.steps() if step.at_s - recorded.origin_s < 50.0]
     cut = SimpleNamespace(

@@ -27,6 +27,7 @@ def test_a_run_is_where_it_is(tmp_path):
     assert all(each.most == 0 for each in result.deviations)
 
 
+@pytest.mark.thorough
 def test_of_a_long_run_some_frames_are_kept_all_along(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "_MOST_KEPT", 200)
     one = course(tmp_path, "one", Order("mitre_bend", seed=1))

@@ -38,6 +38,7 @@ def test_each_topic_is_a_table(tables):
     )
 
 
+@pytest.mark.thorough
 def test_places_are_those_that_the_simulator_knew(tmp_path):
     path = tmp_path / "run.mcap"
     prepared = prepare(Order("mitre_bend", seed=2))

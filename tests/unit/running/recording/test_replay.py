@@ -145,6 +145,7 @@ def test_a_rerun_knows_the_engine_after_every_step(bend):
     assert all(state is not None for state in states)
 
 
+@pytest.mark.thorough
 def test_after_a_gap_that_is_known_which_the_records_after_it_say(bend):
     with recorded_mission(bend.header) as loaded:
         whole = list(rerun(bend, loaded))

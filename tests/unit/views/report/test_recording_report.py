@@ -195,6 +195,7 @@ def test_of_a_recording_without_data_a_sentence_says_that_there_is_nothing_to_sh
     assert "Nobody knew where" not in " ".join(found.warnings)
 
 
+@pytest.mark.thorough
 def test_a_gap_is_marked_and_no_setpoint_of_before_it_is_drawn_after_it(tmp_path: Path) -> None:
     recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
     repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")

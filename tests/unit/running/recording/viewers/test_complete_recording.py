@@ -122,6 +122,7 @@ def test_places_are_read_from_the_middle_on(runs: dict[str, Recording]) -> None:
     assert all(len(placed.wheels) == len(body.wheels) for placed in every)
 
 
+@pytest.mark.thorough
 def test_what_a_camera_saw_is_kept_and_handed_on(tmp_path: Path) -> None:
     seen = iter(range(1_000_000))
 

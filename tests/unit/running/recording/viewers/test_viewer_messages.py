@@ -13,6 +13,7 @@ import pytest
 from keeping import header
 from mcap.reader import make_reader
 from recording_runs import ROOT, record_with_viewers
+from representative import thorough_but
 
 from pirate_sm.core import effects as fx
 from pirate_sm.core import library
@@ -42,7 +43,7 @@ RUNS = {
 }
 
 
-@pytest.fixture(scope="module", params=RUNS)
+@pytest.fixture(scope="module", params=thorough_but({"odometry", "trace", "another robot"}, RUNS))
 def recording(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path: Path = tmp_path_factory.mktemp("runs") / "run.mcap"
     kept = record_with_viewers(path, RUNS[request.param])

@@ -81,6 +81,7 @@ def test_the_frames_put_every_wheel_where_it_is(shown: dict[str, list[dict[str, 
             assert found[wheel][:3, 3] == pytest.approx(true, abs=2e-3)
 
 
+@pytest.mark.thorough
 def test_the_axles_of_the_first_wheels_are_rolled_as_the_front_is(
     shown: dict[str, list[dict[str, Any]]],
 ) -> None:
