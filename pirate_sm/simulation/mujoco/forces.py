@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import hypot
-from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -12,6 +11,7 @@ from pirate_sm.core.geometry import Vector, crossed, dot
 from pirate_sm.core.models import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mujoco.model_text import BEND, LINK, OBSTACLE, WHEEL
+from pirate_sm.simulation.mujoco.tyres import Tyres
 from pirate_sm.simulation.physics import ChainBody, QuantityLayout, StartPose
 
 # --- motors --------------------------------------------------------------------------------------
@@ -140,14 +140,6 @@ _REACHED = 0.99
 """Share of the friction from which on it is exhausted."""
 
 
-class _Motion(NamedTuple):
-    """How a wheel turns, how its middle moves, and where its axle points."""
-
-    turning: Vector
-    moving: Vector
-    axle: Vector
-
-
 class WheelContacts:
     """Reads the forces of the walls on the wheels and gives each wheel the friction of its slip.
 
@@ -161,6 +153,7 @@ class WheelContacts:
         chain: The robot.
         friction: Of every wheel.
         quantities: Where the quantities are written.
+        tyres: What else a wheel does than stick or slide, if it does.
     """
 
     def __init__(
@@ -170,8 +163,9 @@ class WheelContacts:
         chain: ChainBody,
         friction: Friction,
         quantities: Floats,
+        tyres: Tyres | None,
     ) -> None:
-        self._model, self._data = model, data
+        self._data = data
         n, layout = chain.nodes, QuantityLayout(chain.nodes)
         self._press = quantities[layout.block("press")]
         self._grip = quantities[layout.block("grip")]
@@ -188,6 +182,8 @@ class WheelContacts:
         # A wheel that slides with little force hops: between two hops it slides on.
         self._slips = np.zeros(n)
         self._spin_radius_m = chain.spin_radius_m
+        self._touches = model.pair_friction.reshape(n, -1, 5)
+        self._tyres = tyres
         self._set_friction()
 
     def let_grip(self, wheel: int, static: float, kinetic: float) -> None:
@@ -198,8 +194,10 @@ class WheelContacts:
         """Write press and grip after a cycle, and set each wheel's friction for the next one."""
         n = len(self.static)
         press, grip, strongest = [0.0] * n, [0.0] * n, [0.0] * n
+        frictions, yields, normals = [0.0] * n, [0.0] * n, [(0.0, 0.0, 0.0)] * n
         contact, forces = self._data.contact, self._data.efc_force
-        motions: list[_Motion] = []
+        softness = self._data.efc_R
+        axles = self._data.xmat[self._bodies, 2::3].tolist()
         for (one, other), address, frame in zip(
             contact.geom.tolist(), contact.efc_address.tolist(), contact.frame.tolist(), strict=True
         ):
@@ -208,53 +206,42 @@ class WheelContacts:
             wheel = self._wheel_of.get(other if second else one)
             if wheel is None or address < 0 or self._obstacle in (one, other):
                 continue
-            motions = motions or self._motions()
             push, first_n, second_n = forces[address : address + 3].tolist()
             sign = 1.0 if second else -1.0
             normal = (sign * frame[0], sign * frame[1], sign * frame[2])
-            tangent = crossed(motions[wheel].axle, normal)
+            tangent = crossed(axles[wheel], normal)
             along = first_n * dot(frame[3:6], tangent) + second_n * dot(frame[6:], tangent)
             press[wheel] += push
             grip[wheel] += sign * along
             if push > strongest[wheel]:
-                strongest[wheel] = push
+                strongest[wheel], normals[wheel] = push, normal
+                frictions[wheel] = self._friction[wheel] * push
+                yields[wheel] = float(softness[address + 1])
                 # A wheel that sticks creeps a little; it slips where its friction is exhausted.
-                slips = hypot(first_n, second_n) >= _REACHED * self._friction[wheel] * push
-                self._slips[wheel] = self._slip(motions[wheel], normal) if slips else 0.0
+                slips = hypot(first_n, second_n) >= _REACHED * frictions[wheel]
+                self._slips[wheel] = self._slip(wheel, normal) if slips else 0.0
         self._press[:] = press
         self._grip[:] = grip
         self._set_friction()
+        if self._tyres is not None:
+            self._tyres.roll(frictions, yields, normals)
 
     def _set_friction(self) -> None:
         beyond = self._slips / self._threshold_m_s - 1.0
         share = np.clip(beyond / (_FULL_SLIP - 1.0), 0.0, 1.0)
         friction = self.static + share * (self.kinetic - self.static)
         self._friction: Floats = friction
-        self._model.geom_friction[self._geoms, 0] = friction
-        self._model.geom_friction[self._geoms, 1] = friction * self._spin_radius_m
+        self._touches[:, :, :2] = friction[:, None, None]
+        self._touches[:, :, 2] = friction[:, None] * self._spin_radius_m
 
-    def _motions(self) -> list[_Motion]:
-        """Return how each wheel moves."""
-        data, bodies = self._data, self._bodies
-        x, y, z = data.subtree_com[self._root].tolist()
-        rows = zip(
-            data.cvel[bodies].tolist(),
-            data.xpos[bodies].tolist(),
-            data.xmat[bodies].tolist(),
-            strict=True,
-        )
-        found = []
-        for (a, b, c, u, v, w), (px, py, pz), axes in rows:
-            arm = (px - x, py - y, pz - z)
-            turning = crossed((a, b, c), arm)
-            moving = (u + turning[0], v + turning[1], w + turning[2])
-            found.append(_Motion((a, b, c), moving, (axes[2], axes[5], axes[8])))
-        return found
-
-    def _slip(self, motion: _Motion, normal: Vector) -> float:
+    def _slip(self, wheel: int, normal: Vector) -> float:
         """Return how fast the wheel's surface moves along the wall that it touches, m/s."""
-        (sx, sy, sz), (vx, vy, vz) = crossed(motion.turning, normal), motion.moving
-        r = self._radius_m
-        surface = (vx - r * sx, vy - r * sy, vz - r * sz)
+        data, body, r = self._data, self._bodies[wheel], self._radius_m
+        x, y, z = data.subtree_com[self._root].tolist()
+        a, b, c, u, v, w = data.cvel[body].tolist()
+        px, py, pz = data.xpos[body].tolist()
+        mx, my, mz = crossed((a, b, c), (px - x, py - y, pz - z))
+        sx, sy, sz = crossed((a, b, c), normal)
+        surface = (u + mx - r * sx, v + my - r * sy, w + mz - r * sz)
         off = dot(surface, normal)
         return float(max(dot(surface, surface) - off * off, 0.0) ** 0.5)

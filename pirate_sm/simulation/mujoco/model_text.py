@@ -18,10 +18,10 @@ LINK, WHEEL, BEND = "link_", "wheel_", "bend_"
 ROLL, ROLL_REAR = "roll", "roll_rear"
 X_DRAG, Y_DRAG = "x_drag_", "y_drag_"
 """The friction of a wheel that lies on the floor, along and across its link."""
-OBSTACLE = "obstacle"
+OBSTACLE, WALL = "obstacle", "wall_"
 
-WHEEL_BIT, LINK_BIT, BOTH_BITS = "1", "2", "3"
-"""What touches what: walls touch both, an obstacle touches wheels."""
+WHEEL_BIT, LINK_BIT = "1", "2"
+"""What touches what: links touch walls, wheels an obstacle; wheels and walls are pairs."""
 
 
 def numbers(*values: float) -> str:
@@ -37,7 +37,7 @@ PLATES = 48
 # Thin enough that the end of a bar at an inner corner hardly stands out of the next bar.
 _HALF_M = 0.003
 _FAR_M = 1000.0
-_WALL = {"contype": "0", "conaffinity": BOTH_BITS, "rgba": "0.6 0.7 0.8 0.25"}
+_WALL = {"contype": "0", "conaffinity": LINK_BIT, "rgba": "0.6 0.7 0.8 0.25"}
 
 
 def add_pipe(world: Element, route: Route, *, space: bool) -> None:
@@ -137,7 +137,6 @@ def add_robot(
         space: Whether it moves in space, with its roll joint; else in the plane z = 0.
     """
     body = SubElement(world, "body", name=f"{LINK}0")
-    margin_m = 0.0 if space else GIVES_WAY_M
     if space:
         SubElement(body, "freejoint", name="root")
     else:
@@ -146,14 +145,14 @@ def add_robot(
         SubElement(body, "joint", name="heading", type="hinge", axis="0 0 1")
     last = len(chain.links) - 1
     for m, link in enumerate(chain.links):
-        _add_wheel(body, actuators, chain, m, m, 0.0, margin_m)
+        _add_wheel(body, actuators, chain, m, m, 0.0)
         rear_m = -link.length_m
         if space and m == chain.roll_link:
             body = _add_roll_joint(body, actuators, chain, link)
             rear_m = -link.length_m / 2
         else:
             _add_link(body, chain, link)
-        _add_wheel(body, actuators, chain, m, m + 1, rear_m, margin_m)
+        _add_wheel(body, actuators, chain, m, m + 1, rear_m)
         if m < last:
             body = _add_next(body, actuators, chain, pose, m + 1, rear_m)
     for i in range(chain.nodes if not space else 0):
@@ -224,7 +223,6 @@ def _add_wheel(
     link: int,
     i: int,
     along_m: float,
-    margin_m: float,
 ) -> None:
     """Add a wheel to the body of the link that its motor sits on; on another link do nothing."""
     wheel = chain.wheels[i]
@@ -241,9 +239,22 @@ def _add_wheel(
     _add_inertia(turning, wheel.mass_kg, 0.0, (axle / 2, axle / 2, axle))
     SubElement(
         turning, "geom", name=f"{WHEEL}{i}", type="sphere", size=numbers(radius), priority="1",
-        contype=WHEEL_BIT, conaffinity="0", margin=numbers(margin_m), rgba="0.2 0.2 0.2 1",
+        contype=WHEEL_BIT, conaffinity="0", rgba="0.2 0.2 0.2 1",
     )  # fmt: skip
     SubElement(actuators, "motor", name=f"{WHEEL}{i}", joint=f"{WHEEL}{i}")
+
+
+def add_touches(contact: Element, world: Element, chain: ChainBody, margin_m: float) -> None:
+    """Let each wheel touch each wall: pairs, wheel by wheel, that may differ in how they creep."""
+    walls = world.findall("geom")
+    for number, wall in enumerate(walls):
+        wall.set("name", f"{WALL}{number}")
+    for i in range(chain.nodes):
+        for wall in walls:
+            SubElement(
+                contact, "pair", geom1=wall.get("name", ""), geom2=f"{WHEEL}{i}",
+                margin=numbers(margin_m),
+            )  # fmt: skip
 
 
 def _add_inertia(
@@ -304,15 +315,15 @@ def model_text(
     # A world that has become unstable must not begin anew by itself.
     SubElement(option, "flag", autoreset="disable")
     default = SubElement(model, "default")
-    SubElement(
-        default,
-        "geom",
-        {"condim": "4", **_CONTACT_IN_SPACE} if space else {"condim": "3", **_CONTACT},
-    )
+    settings = {"condim": "4", **_CONTACT_IN_SPACE} if space else {"condim": "3", **_CONTACT}
+    for kind in ("geom", "pair"):
+        SubElement(default, kind, settings)
     SubElement(default, "joint", _STIFF_JOINT)
     world = SubElement(model, "worldbody")
     actuators = Element("actuator")
     add_pipe(world, route, space=space)
     add_robot(world, actuators, chain, pose, space=space)
     model.append(actuators)
+    contact = SubElement(model, "contact")
+    add_touches(contact, world, chain, 0.0 if space else GIVES_WAY_M)
     return tostring(model, encoding="unicode")

@@ -141,7 +141,44 @@ def test_the_robot_goes_as_far_as_its_wheels_roll(put: Place, duty: float) -> No
     robot.run(4.0)
     rolled = 0.024 * (np.array(robot.values("wheel")) - turned) * [1, -1, 1, -1, 1, -1]
     assert robot.middle - start == pytest.approx(0.15 * duty * 4.0, rel=0.03)
-    assert rolled.mean() == pytest.approx(robot.middle - start, rel=2e-3)
+    # In a round pipe it hangs some mm below the axis, where wheels lean: on smaller circles.
+    assert rolled.mean() == pytest.approx(robot.middle - start, rel=4e-3)
+
+
+def _below_the_axis_m(robot: Driver) -> float:
+    """How far the robot's plane is below the axis of the pipe, the mean of its wheels."""
+    return float(np.array(robot.physics.places())[:, 2].mean())
+
+
+@pytest.mark.parametrize("physics", [SpaceWorld, MujocoWorld])
+def test_a_robot_that_clamps_beside_the_axis_creeps_to_it_as_it_drives(
+    place: Place, physics: MakePhysics
+) -> None:
+    robot = place(straight(section="round"), at=1.5, clamped=0.0, physics=physics)
+    robot.clamp(*JOINTS)
+    robot.run(20.0)
+    clamped_m = _below_the_axis_m(robot)
+    assert clamped_m > 0.01
+    robot.run(5.0)
+    assert _below_the_axis_m(robot) == pytest.approx(clamped_m, abs=1e-3)
+    robot.drive(1.0)
+    robot.run(5.0)
+    assert _below_the_axis_m(robot) < clamped_m / 2
+
+
+@pytest.mark.parametrize("physics", [SpaceWorld, MujocoWorld])
+def test_a_robot_that_drives_hangs_below_the_axis_by_its_weight(
+    place: Place, physics: MakePhysics
+) -> None:
+    """Where tyres creep no more: walls bear weight / forces of the clamps as sine of the lean."""
+    robot = place(straight(section="round"), at=1.0, physics=physics)
+    robot.clamp(*JOINTS)
+    robot.run(0.5)
+    robot.drive(1.0)
+    robot.run(6.0)
+    parts = [*robot.chain.wheels, *robot.chain.links]
+    sine = GRAVITY_M_S2 * sum(part.mass_kg for part in parts) / sum(robot.values("press"))
+    assert _below_the_axis_m(robot) == pytest.approx(sine * (0.06 - 0.024), rel=0.2)
 
 
 def test_a_clamped_robot_holds_upright_and_climbs(put: Place) -> None:
@@ -280,7 +317,8 @@ def test_plane_and_space_agree_on_a_drive(place: Place) -> None:
         robot.run(3.0)
         ways.append(robot.middle - start)
     kinematic, kinematic_space, mujoco, mujoco_space = ways
-    assert mujoco == pytest.approx(mujoco_space, abs=1e-3)
+    # In space it hangs 2 mm below the axis, in MuJoCo between two plates.
+    assert mujoco == pytest.approx(mujoco_space, abs=2e-3)
     assert kinematic == pytest.approx(kinematic_space, abs=1e-3)
     assert kinematic == pytest.approx(mujoco, rel=0.03)
 

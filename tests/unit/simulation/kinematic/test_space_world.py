@@ -118,24 +118,6 @@ def test_a_loose_robot_lies_on_the_floor_and_swings_through_the_lowest_place(
     assert np.array(heights).max() == pytest.approx(floor, abs=1e-3)
 
 
-def _beside_the_axis_m(robot: Driver) -> float:
-    """How far the robot's plane is beside the axis of the pipe, the mean of its wheels."""
-    return abs(float(np.array(robot.physics.places())[:, 2].mean()))
-
-
-def test_a_robot_that_clamps_beside_the_axis_creeps_to_it_as_it_drives(place: Place) -> None:
-    robot = place(round_pipe(), clamped=0.0, physics=SpaceWorld)
-    robot.clamp(*ALL_JOINTS)
-    robot.run(20.0)
-    clamped_m = _beside_the_axis_m(robot)
-    assert clamped_m > 0.01
-    robot.run(5.0)
-    assert _beside_the_axis_m(robot) == pytest.approx(clamped_m, abs=1e-4)
-    robot.drive(1.0)
-    robot.run(5.0)
-    assert _beside_the_axis_m(robot) < clamped_m / 2
-
-
 def test_wheels_that_are_forced_over_a_narrow_step_stay_out_of_the_wall(place: Place) -> None:
     step = planar(0.122, (Straight(1.0), Reducer(0.0, 0.112), Straight(1.0)), section="round")
     robot = place(step, at=0.8, physics=SpaceWorld)

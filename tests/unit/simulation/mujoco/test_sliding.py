@@ -47,7 +47,6 @@ def test_a_wheel_that_slides_lightly_along_a_wall_has_its_kinetic_friction(
     world = loose(replace(chain, joints=quick))
     world.duties[1], world.duties[2] = -0.7, 0.7
     wheel, layout = 1, QuantityLayout(chain.nodes)
-    geom = world.model.geom(f"wheel_{wheel}").id
     coefficients: list[float] = []
     arc_m = 0.0
     for _ in range(130):
@@ -58,7 +57,7 @@ def test_a_wheel_that_slides_lightly_along_a_wall_has_its_kinetic_friction(
         arc_m = places[wheel][0]
         third_is_free = world.quantities[layout.block("press")][2] == 0.0
         if at_wall and third_is_free and speed_m_s > 0.01:
-            coefficients.append(float(world.model.geom_friction[geom, 0]))
+            coefficients.append(float(world.model.pair_friction.reshape(6, -1, 5)[wheel, 0, 0]))
     assert len(coefficients) > 15
     sliding = [each for each in coefficients if each == pytest.approx(KINETIC)]
     assert len(sliding) > 0.8 * len(coefficients)

@@ -22,6 +22,13 @@ Place = Callable[..., Driver]
 FRICTION = Friction(static=0.7, kinetic=0.5)
 
 
+def frictions(robot: MujocoWorld) -> np.ndarray:
+    """Return the coefficients of each wheel: sliding both ways, spinning, rolling."""
+    coefficients = robot.model.pair_friction.reshape(6, -1, 5)
+    assert (coefficients == coefficients[:, :1]).all()
+    return np.array(coefficients[:, 0])
+
+
 def world(chain: ChainBody, section: str = "bars", friction: Friction = FRICTION) -> MujocoWorld:
     route = Route(straight(section=section))
     return MujocoWorld(chain, route, friction, stand(chain, route, 1.0, {}), CYCLE_S)
@@ -92,16 +99,14 @@ def test_a_robot_is_put_into_space_rolled(place: Place) -> None:
 
 def test_the_coefficient_falls_with_the_speed_of_the_slip(place: Place) -> None:
     robot = place(straight(), at=1.0, friction=(0.08, 0.05), physics=MujocoWorld)
-    model = robot.physics.model
-    wheels = [model.geom(f"wheel_{i}").id for i in range(6)]
     robot.clamp(1, 2, 3, 4, duty=0.3)
     robot.run(1.0)
-    assert model.geom_friction[wheels, 0] == pytest.approx([0.08] * 6)
+    assert frictions(robot.physics)[:, 0] == pytest.approx([0.08] * 6)
     robot.physics.block(0, 1.1, ahead=True)
     robot.drive(1.0)
     robot.run(3.0)
     pressing = np.array(robot.values("press")) > 0.1
-    assert model.geom_friction[wheels, 0][pressing] == pytest.approx(0.05)
+    assert frictions(robot.physics)[pressing, 0] == pytest.approx(0.05)
     press, grip = np.array(robot.values("press")), np.abs(robot.values("grip"))
     assert grip[pressing] / press[pressing] == pytest.approx(0.05, rel=0.03)
 
@@ -110,9 +115,25 @@ def test_the_coefficient_falls_with_the_speed_of_the_slip(place: Place) -> None:
 def test_wheels_spin_on_the_spot_against_the_friction_of_their_contact(
     chain: ChainBody, section: str
 ) -> None:
-    model = world(replace(chain, spin_radius_m=0.002), section).model
-    wheels = [model.geom(f"wheel_{i}").id for i in range(6)]
-    assert model.geom_friction[wheels, :2] == pytest.approx(np.array([[0.7, 0.7 * 0.002]] * 6))
+    made = frictions(world(replace(chain, spin_radius_m=0.002), section))
+    assert made[:, :3] == pytest.approx(np.array([[0.7, 0.7, 0.7 * 0.002]] * 6))
+
+
+def test_a_wheel_that_leans_rolls_on_the_edge_of_its_tyre(place: Place) -> None:
+    robot = place(straight(section="round"), clamped=0.0, physics=MujocoWorld)
+    robot.clamp(1, 2, 3, 4)
+    robot.run(15.0)
+    world, chain = robot.physics, robot.chain
+    edge = chain.tyre_half_width_m / chain.wheel_radius_m
+    for wheel, (_, y, z) in enumerate(world.places()):
+        wall = np.array([0.0, y, z]) / np.hypot(y, z)
+        body = world.model.body(f"wheel_{wheel}").id
+        axle, link = (
+            world.data.xmat[each, 2::3] for each in (body, world.model.body_parentid[body])
+        )
+        # Between two plates a wheel leans by up to half their angle more.
+        assert abs(link @ wall) > 0.3
+        assert abs(axle @ wall) == pytest.approx(edge, abs=np.pi / 48)
 
 
 def test_a_world_that_has_become_unstable_says_so(
@@ -136,5 +157,5 @@ def test_a_faster_threshold_lets_a_slipping_wheel_keep_its_static_friction(
         robot = MujocoWorld(chain, route, friction, stand(chain, route, 2.0, duties), CYCLE_S)
         for _ in range(20):
             robot.advance()
-        kept[threshold] = float(robot.model.geom_friction[robot.model.geom("wheel_1").id, 0])
+        kept[threshold] = float(frictions(robot)[1, 0])
     assert kept == pytest.approx({0.001: 0.02, 10.0: 0.08})
