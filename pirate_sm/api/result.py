@@ -180,6 +180,7 @@ class Run:
 
         Raises:
             UsageError: That cannot be a time, or SciPy, of the extra ``fit``, is not installed.
+            LoadError: The run had a twin whose file is not there any more.
         """
         if not is_number(at_s):
             raise UsageError(f"at_s: expected a time in s, got {at_s!r}")
@@ -187,7 +188,7 @@ class Run:
         again = rerun_steps(self._engine, self.steps(), self.gaps, origin_s=self.origin_s)
         for each in takewhile(lambda each: each.at_s <= at_s, again):
             state = each.state
-        forces = () if state is None else clamp_forces(self.loaded, state)
+        forces = () if state is None else clamp_forces(self.loaded, state, self.header.options)
         columns = zip(*forces, strict=True) if forces else ((),) * len(_FORCE_COLUMNS)
         return dict(zip(_FORCE_COLUMNS, map(list, columns), strict=True))
 

@@ -81,7 +81,10 @@ class Posture(NamedTuple):
 
 
 class ForceInterval(NamedTuple):
-    """The least and the greatest force, N; NaN where no static state is admissible."""
+    """The least and the greatest force, N; NaN where no static state is admissible.
+
+    None is for a chain that touches nothing.
+    """
 
     least_n: float
     greatest_n: float
@@ -102,6 +105,8 @@ def normal_force_intervals(posture: Posture, wheels: Sequence[int]) -> tuple[For
     except ModuleNotFoundError:
         raise not_installed("an interval of normal forces", "scipy", "fit") from None
     touches = posture.touches
+    if not touches:
+        return (ForceInterval(nan, nan),) * (len(wheels) + 1)
     rows, loads = _balances(posture)
     limits = [row for at, each in enumerate(touches) for row in _cone(posture, at, each)]
     normal, along, aside = (0.0, None), [each.along_n for each in touches], (None, None)

@@ -6,11 +6,12 @@ of its wheels admit (``docs/decisions/0123-normal-forces-come-with-an-interval.m
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import isnan, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from pirate_sm.core.engine import Engine, EngineState
-from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.loading import LoadedMission, simulated_profile
 
 SUM = "sum"
 """The row of all wheels that hold."""
@@ -33,17 +34,23 @@ class ClampForce(NamedTuple):
     greatest_n: float
 
 
-def clamp_forces(loaded: LoadedMission, state: EngineState) -> tuple[ClampForce, ...]:
+def clamp_forces(
+    loaded: LoadedMission, state: EngineState, options: Mapping[str, Any]
+) -> tuple[ClampForce, ...]:
     """Return the force of each wheel that holds and of all, last; empty where no part holds.
 
     Args:
         loaded: The mission with its robot and its pipe.
         state: Of an engine that has every signal.
+        options: Of the run, whose twin or numbers say which robot was simulated.
 
     Raises:
         UsageError: SciPy is not installed.
+        LoadError: The file of the twin is not there any more, or another one.
     """
-    robot, pipe, profile = loaded.robot, loaded.pipe, loaded.loaded_robot.profile
+    robot, pipe = loaded.robot, loaded.pipe
+    twin, seed, numbers = (options.get(name) for name in ("twin", "seed", "numbers"))
+    profile = simulated_profile(loaded.loaded_robot.profile, twin, seed or 0, numbers or {})
     walls = pipe.friction if pipe is not None and pipe.friction else profile.simulation.friction
     motors = [profile.motors[profile.slots[wheel.slot].motor] for wheel in robot.wheels]
     wheels, intervals = Engine(robot, loaded.program, nominal=False).normal_forces(

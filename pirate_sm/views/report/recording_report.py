@@ -10,10 +10,11 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import isnan, nan
+from typing import Any
 
 from pirate_sm.core import effects as fx
 from pirate_sm.core.engine import EngineState
-from pirate_sm.core.errors import UsageError
+from pirate_sm.core.errors import PirateError
 from pirate_sm.core.events import Event, SensorFrame
 from pirate_sm.core.geometry import drawn_walls
 from pirate_sm.core.loading import LoadedMission
@@ -57,6 +58,7 @@ class About:
         warnings: Warnings that the reader must know first.
         facts: The details at the end of the page.
         files: Hash of each file that it was made from, by name.
+        options: Of the run.
     """
 
     where: str
@@ -65,6 +67,7 @@ class About:
     warnings: tuple[str, ...] = ()
     facts: tuple[Fact, ...] = ()
     files: Mapping[str, str] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
 
 
 def gather(
@@ -189,8 +192,11 @@ class _Run:
     def _bounds(self) -> str:
         """Return in words between which values the normal forces lay when clamps had closed."""
         try:
-            found = {at_s: clamp_forces(self._loaded, state) for at_s, state in self._clamped}
-        except UsageError as error:
+            found = {
+                at_s: clamp_forces(self._loaded, state, self._about.options)
+                for at_s, state in self._clamped
+            }
+        except PirateError as error:
             return f"Between which values they may lie is not shown: {error}."
         moments = (
             f"At {at_s:.2f} s: {', '.join(map(in_words, forces))}."
@@ -285,6 +291,7 @@ def about_run(header: RunHeader, loaded: LoadedMission, notices: Iterable[str] =
         warnings=tuple(_warnings(header, notices)),
         facts=tuple(_facts(header, loaded)),
         files={file.name: file.sha256 for file in header.files},
+        options=header.options,
     )
 
 

@@ -267,6 +267,20 @@ def test_a_run_says_how_hard_the_robot_presses_and_between_which_bounds(
 
 
 @pytest.mark.thorough
+def test_normal_forces_are_of_the_robot_that_ran() -> None:
+    intervals = {}
+    for hold in ("300 mNm", "40 mNm"):
+        numbers = {"motors.wheel.hold_torque": hold}
+        with pirate_sm.session("mitre_bend", numbers=numbers) as session:
+            for command in ("ClampFront", "ClampRear"):
+                session.submit(command)
+                session.advance()
+            found = session.run.normal_forces(session.now_s)
+        intervals[hold] = found["greatest_N"][-1] - found["least_N"][-1]
+    assert intervals["40 mNm"] < intervals["300 mNm"] / 3
+
+
+@pytest.mark.thorough
 def test_nothing_is_said_of_normal_forces_in_a_bend() -> None:
     run = pirate_sm.run("take_bend", seed=1)
 

@@ -111,6 +111,12 @@ def test_every_wheel_lies_between_its_own_bounds_and_adds_to_the_sum() -> None:
     assert sum(one.greatest_n for one in each) >= whole.greatest_n - 1e-6
 
 
+def test_a_robot_that_touches_no_wall_has_no_static_state() -> None:
+    found = normal_force_intervals(clamped(0.3, touches=[]), range(6))
+    assert len(found) == 7
+    assert all(isnan(bound) for between in found for bound in between)
+
+
 def test_in_a_round_pipe_the_roll_of_the_robot_does_not_matter_without_gravity() -> None:
     found = [total(clamped(0.1, in_space=True, roll_rad=roll)) for roll in (0.0, 0.4, 2.0)]
     assert found[1] == pytest.approx(found[0], rel=1e-6)
