@@ -218,7 +218,6 @@ def test_steps_of_2_of_1_and_of_half_a_millisecond_lead_to_the_same(
 @both
 @seeds
 def test_without_motors_energy_never_grows(chain: ChainBody, section: Section, seed: int) -> None:
-    # Begun along the pipe. A clamped robot that is spun about its axis gains energy in space.
     rng = np.random.default_rng(seed)
     stiffness = [getattr(chain.joints.get(wheel), "stiffness_nm_rad", 0.0) for wheel in range(6)]
     for number, each in enumerate(drawn(section, seed, 60)):
@@ -234,6 +233,31 @@ def test_without_motors_energy_never_grows(chain: ChainBody, section: Section, s
         # A pressed wall gives some hundredths of a joule back, which are not counted.
         assert max(found) < found[0] + 0.05
         assert (np.array(found) - np.minimum.accumulate(found)).max() < 0.1
+
+
+@seeds
+def test_a_clamped_robot_that_is_spun_loses_energy_where_friction_exceeds_its_turn_in_a_step(
+    chain: ChainBody, seed: int
+) -> None:
+    """Walls push as they lay when a step began, links as they lie when it ends.
+
+    In a step of the angle a, a clamp pushes a wheel on by a × its normal force, so energy must fall
+    where kinetic friction is more than a; without friction it grows at any speed.
+    """
+    stiffness = [getattr(chain.joints.get(wheel), "stiffness_nm_rad", 0.0) for wheel in range(6)]
+    for each in drawn("round", seed, 40):
+        case = each._replace(wheels=np.zeros(6))
+        rate_rad_s = min(75.0, 0.7 * case.friction / kinematic_world.STEP_S)
+        world = put(chain, case)
+        world.duties[:] = 0.0
+        _, y, z = places(world).T
+        world.state.velocity[:, 1:] += rate_rad_s * np.array([-z, y]).T
+        world.state.array[space.S_ROLL * 6 + space.R_RATE :][:2] -= rate_rad_s
+        found = [energy_j(world, case, np.array(stiffness))]
+        for _ in range(40):
+            world.advance()
+            found.append(energy_j(world, case, np.array(stiffness)))
+        assert (np.array(found) - np.minimum.accumulate(found)).max() < 0.01
 
 
 def energy_j(world: Any, case: Case, stiffness: Floats) -> float:
