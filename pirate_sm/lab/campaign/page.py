@@ -122,10 +122,28 @@ def _section(
         lines.append(f"No indices: {cell.not_decided}.")
     if times:
         lines.append(f"Mission time of those that passed, least/median/most: {times} s.")
+    lines += {_HOW_TO_READ[each.method] for each in cell.decided if each.numbers}
     anchor = f'<a id="{_id(cell)}"></a>'
     causes = "".join(_causes(cell, recordings, reports))
     shown = tuple(_plots(cell)) if plots else ()
     return FigureSection(cell.name, lines, markup=anchor + causes, plots=shown)
+
+
+_ANY_BAR = (
+    "The bar goes to the side to which more of the number moves the outcome; the line is the"
+    " interval within which the bar ends."
+)
+_HOW_TO_READ = {
+    "sobol": (
+        "How long a bar is says which share of the outcome's variance a number has part in; the"
+        f" darker part of it is due to that number alone, without the others. {_ANY_BAR}"
+    ),
+    "morris": (
+        "How long a bar is says by how much the outcome changes on average, up or down, over the"
+        f" whole range of a number. {_ANY_BAR}"
+    ),
+}
+"""What indices of Sobol and of Morris mean (Saltelli et al. 2010; Campolongo et al. 2007)."""
 
 
 def _plots(cell: CellResult) -> Iterator[Plot]:

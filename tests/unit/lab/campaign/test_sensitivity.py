@@ -231,6 +231,7 @@ def test_what_decides_is_found_and_after_a_kill_the_same(
     assert f"--number '{HOLD}=0.1" in found.causes[0].command
     page = page_of(whole, "recordings")
     assert page.count("What decides") == 2 * len(known)  # title and label of each
+    assert page.count("How long a bar is says") == 1
     assert "Success against wheel hold torque" in page
     assert ">wheel no load speed<" in page
 
