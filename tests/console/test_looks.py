@@ -38,7 +38,7 @@ def text_of(me: Operator) -> str:
 @pytest.mark.parametrize(
     "size",
     [
-        pytest.param((160, 48), marks=pytest.mark.thorough),
+        (160, 48),
         pytest.param((120, 36), marks=pytest.mark.thorough),
         (80, 24),
     ],

@@ -83,7 +83,6 @@ def test_the_switch_keeps_the_clamps_and_stops_the_rest(
     assert not any(name.startswith("wheel") for name in driven)
 
 
-@pytest.mark.thorough
 def test_without_it_the_joint_goes_on_until_something_stops_it() -> None:
     turned_deg, _ = run_on(switch=False)
 
