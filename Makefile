@@ -138,7 +138,7 @@ schemas: $(VENV)/.ready-dev
 
 bench: $(VENV)/.ready-bench
 	$(BIN)/python -m benchmarks.bench
-	$(BIN)/python -m benchmarks.check
+	$(BIN)/python -m benchmarks.check --again 5
 	$(BIN)/python -m benchmarks.growth
 
 seeds: $(VENV)/.ready-campaign

@@ -33,6 +33,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # Runs leave no recordings behind, those of child processes neither.
 os.environ["PIRATE_SM_RUNS"] = ""
+# And no results: one that a test has changed the checks for would be found again by the next.
+os.environ["PIRATE_SM_CACHE"] = ""
 
 
 @pytest.hookimpl(optionalhook=True)  # without xdist nobody asks

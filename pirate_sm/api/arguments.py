@@ -9,7 +9,8 @@ from numbers import Integral, Real
 from os import PathLike, fspath
 from typing import Any, Literal, TypeAlias, Unpack, cast, get_args, get_origin, get_type_hints
 
-from pirate_sm.checking.check_project import Wishes, check_paths
+from pirate_sm.checking.check_project import check_paths
+from pirate_sm.checking.file_part import Wishes
 from pirate_sm.checking.findings import Finding, settle
 from pirate_sm.checking.mission.check_mission import check_loaded
 from pirate_sm.core.errors import UsageError

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from dataclasses import asdict, dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import yaml
 
@@ -77,6 +77,27 @@ def finding_of(problem: Problem) -> Finding:
         suggestion=problem.suggestion,
         excerpt=problem.excerpt,
         edit=problem.edit,
+    )
+
+
+def written(finding: Finding) -> dict[str, Any]:
+    """Return a finding as JSON, without the exploration that it came of."""
+    return asdict(replace(finding, course=()))
+
+
+def read(data: Mapping[str, Any]) -> Finding:
+    """Return the finding that was written."""
+    edit = data["edit"] and Edit(**{**data["edit"], "place": Place(**data["edit"]["place"])})
+    return Finding(
+        **{
+            **data,
+            "severity": Severity(data["severity"]),
+            "place": Place(**data["place"]),
+            "related": tuple((Place(**place), what) for place, what in data["related"]),
+            "story": tuple(data["story"]),
+            "course": (),
+            "edit": edit,
+        }
     )
 
 

@@ -7,13 +7,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 from typing import ClassVar, Final
 
-from pirate_sm.checking.findings import Finding, Severity, settle
+from pirate_sm.checking.findings import Finding, Severity, read, settle, written
+from pirate_sm.checking.kept_results import kept
 from pirate_sm.checking.mission.check_mission import check_loaded
+from pirate_sm.checking.permissions import SIMULATED
 from pirate_sm.checking.reports.check_report import CheckedFile, CheckReport
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.core.documents import FileKind
 from pirate_sm.core.errors import ExitCode, Hint, PirateError
-from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.loading import LoadedMission, references
 
 
 class CheckError(PirateError):
@@ -38,18 +40,21 @@ _CHECKED: Final[deque[tuple[LoadedMission, tuple[Finding, ...]]]] = deque(maxlen
 """The last missions checked, with their findings: a program runs the same few repeatedly."""
 
 
-def pass_or_raise(loaded: LoadedMission, *, words_of_bends: bool = True) -> tuple[Finding, ...]:
+def pass_or_raise(
+    loaded: LoadedMission, *, words_of_bends: bool = True, backend: str = ""
+) -> tuple[Finding, ...]:
     """Return the findings of a mission that do not prevent its run, or raise an error.
 
     Args:
         loaded: The mission.
         words_of_bends: Whether the run's detector speaks of the bends of the pipe alone.
+        backend: The run's backend; nothing is taken from a file for one that may reach a robot.
 
     Raises:
         CheckError: The mission has errors that its files do not allow.
     """
     texts = {document.name: document.text for document in loaded.documents}
-    found = _found_in(loaded)
+    found = _found_in(loaded, afresh=backend not in SIMULATED)
     settled = settle(found, texts)
     spared = frozenset() if words_of_bends else _OF_BENDS
     faults = tuple(
@@ -62,7 +67,16 @@ def pass_or_raise(loaded: LoadedMission, *, words_of_bends: bool = True) -> tupl
     return found
 
 
-def _found_in(loaded: LoadedMission) -> tuple[Finding, ...]:
+def _found_in(loaded: LoadedMission, *, afresh: bool) -> tuple[Finding, ...]:
+    """Return what the check finds in a mission, with or without what is kept in files."""
+    if afresh or not loaded.origin:
+        return _checked(loaded)
+    inputs = loaded.origin, references.keeps_inside()
+    found = kept("gate", inputs, lambda: [*map(written, _checked(loaded))])
+    return tuple(map(read, found))
+
+
+def _checked(loaded: LoadedMission) -> tuple[Finding, ...]:
     """Return what the check finds in a mission; one that was just checked is not explored again."""
     for known, found in tuple(_CHECKED):
         if _same(known, loaded):
@@ -87,7 +101,7 @@ def all_pass_or_raise(missions: Iterable[LoadedMission]) -> None:
     errors = []
     for loaded in missions:
         try:
-            pass_or_raise(loaded)
+            pass_or_raise(loaded, backend="sim")
         except CheckError as error:
             errors.append(error)
     if errors:

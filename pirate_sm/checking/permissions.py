@@ -12,6 +12,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
+from pirate_sm.core.on_disk import resolved
+
 SIMULATED: Final = ("bay", "physics", "sim", "trace")
 """Backends that reach nothing outside this program. [decided]"""
 
@@ -65,6 +67,6 @@ def is_device(port: str) -> bool:
 def is_below(place: Path, folder: Path) -> bool:
     """Return whether a path leads to something in a folder, with all links followed."""
     try:
-        return place.resolve().is_relative_to(folder.resolve())
+        return resolved(place).is_relative_to(resolved(folder))
     except (OSError, RuntimeError, ValueError):
         return False

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from pirate_sm.core.documents import FileKind, Place, kind_of
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.library import PROFILE_FILE, shown
 from pirate_sm.core.loading import project_of
-from pirate_sm.core.on_disk import is_folder, is_there
+from pirate_sm.core.on_disk import is_file, is_folder, is_there, listed, resolved
 from pirate_sm.core.spelling import nearest
 
 ROBOTS, MISSIONS, CAMERAS, PANELS = "hardware_profiles", "sequences", "cameras", "panels"
@@ -95,9 +95,18 @@ def robots_around(path: Path) -> set[Path]:
 
     The project is the nearest folder with the marks of one, else the working directory.
     """
-    here, places = path.resolve().parent, ("", "*/", "*/*/")
-    folders = (here, project_of(here) or Path.cwd())
-    return {f.parent for each in folders for at in places for f in each.glob(at + PROFILE_FILE)}
+    here = resolved(path).parent
+    folders = {*_folders(here, 2), *_folders(project_of(here) or Path.cwd(), 2)}
+    return {folder for folder in folders if is_file(folder / PROFILE_FILE)}
+
+
+def _folders(folder: Path, deep: int) -> Iterator[Path]:
+    """Yield a folder and those in it, to a depth, without those that cannot be searched."""
+    yield folder
+    with suppress(OSError):
+        for each in listed(folder) if deep else ():
+            if each.is_folder:
+                yield from _folders(folder / each.name, deep - 1)
 
 
 def _existing(name: str) -> Path:
@@ -164,22 +173,18 @@ def _files(folder: Path, findings: list[Finding]) -> Iterator[Path]:
 def _listing(folder: Path, findings: list[Finding]) -> tuple[list[Path], list[Path]]:
     """Return the YAML files and the folders in a folder, ordered by name."""
     try:
-        with os.scandir(folder) as entries:
-            seen = sorted((e for e in entries if not e.name.startswith(".")), key=lambda e: e.name)
-        inner = [Path(e.path) for e in seen if e.is_dir(follow_symlinks=False)]
-        files = [
-            Path(e.path) for e in seen if e.name.endswith(library.SUFFIXES) and not is_folder(e)
-        ]
+        seen = [each for each in listed(folder) if not each.name.startswith(".")]
     except OSError as error:
         message = f"cannot be searched: {error.strerror}"
         findings.append(_finding("check.folder", folder, message))
         return [], []
-    return files, inner
+    files = [folder / each.name for each in seen if not each.is_folder]
+    return files, [folder / each.name for each in seen if each.is_folder and not each.is_link]
 
 
 def _real(path: Path) -> Path:
     try:
-        return path.resolve()
+        return resolved(path)
     except (OSError, RuntimeError):
         return path.absolute()
 

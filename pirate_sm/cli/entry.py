@@ -55,6 +55,7 @@ COMMANDS = {
     "camera survey": ("devices:SurveyOptions", "camera:survey_camera"),
     "camera look": ("devices:LookOptions", "camera:look"),
     "config": ("files:ConfigOptions", "config:show_settings"),
+    "cache": ("files:CacheOptions", "cache:show_cache"),
     "completion": ("files:CompletionOptions", "completion:print_script"),
     "new mission": ("files:NewMissionOptions", "new:write_mission"),
     "new pipe": ("files:NewPipeOptions", "new:write_pipe"),
@@ -157,6 +158,9 @@ def _app(**more: Any) -> typer.Typer:
 _MOVE = ("run", "console", "doctor", "calibrate")
 """The commands that are connected to a robot; while they are, they catch signals themselves."""
 
+_CHECK = ("check", "run", "demo", "campaign", "console")
+"""The commands that check files, and use kept results again."""
+
 
 def _single(name: str) -> typer.Typer:
     """Return an app with one command; its options are imported, its work is not."""
@@ -174,7 +178,12 @@ def _single(name: str) -> typer.Typer:
         def work() -> int:
             chosen = made(options, with_settings(name, given, is_given))
             ctrl_c.answer(moves=name in _MOVE)
-            return int(_work(work_at)(chosen))
+            if name not in _CHECK or given.get("no_cache"):
+                return int(_work(work_at)(chosen))
+            from pirate_sm.checking.kept_results import kept_results
+
+            with kept_results():
+                return int(_work(work_at)(chosen))
 
         raise typer.Exit(guarded(work, given["debug"]))
 

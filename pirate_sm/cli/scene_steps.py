@@ -16,6 +16,7 @@ from pirate_sm.core.documents import LoadError
 from pirate_sm.core.documents import Path as Keys
 from pirate_sm.core.errors import PirateError, RecordingError, UsageError
 from pirate_sm.core.loading import LoadedMission, load_mission
+from pirate_sm.core.on_disk import asks_elsewhere
 from pirate_sm.core.spelling import unknown
 from pirate_sm.lab.campaign.campaign_model import SceneStep
 from pirate_sm.lab.gallery.scene_file import ASKS, OUT, UNKNOWN, recording_of, words_of
@@ -124,6 +125,7 @@ def _written(name: str, option: str) -> str:
 
 def _given(name: str, words: list[str]) -> dict[str, Any]:
     """Return the options on a command line, by the names of their fields."""
+    asks_elsewhere()  # the parser looks at files itself
     context = _parser(name).make_context(name, words)
     named = {each: context.get_parameter_source(each) for each in context.params}
     return {each: context.params[each] for each, it in named.items() if it.name == "COMMANDLINE"}

@@ -84,14 +84,22 @@ def run_main() -> None:
 
 
 def _start(command: str) -> None:
-    """Print stored help, or load the command line and run this function of ``entry.py``."""
+    """Print what is stored, or load the command line and run this function of ``entry.py``."""
     ctrl_c.leave_to_the_system()
     if print_stored_help(sys.argv):
         return
     _prepare()
-    from pirate_sm.cli import entry
 
-    _end(getattr(entry, command))
+    def work() -> None:
+        if command == "main" and sys.argv[1:2] == ["check"]:
+            from pirate_sm.cli.kept_reports import print_again
+
+            print_again(sys.argv[1:])
+        from pirate_sm.cli import entry
+
+        getattr(entry, command)()
+
+    _end(work)
 
 
 def _prepare() -> None:

@@ -5,17 +5,24 @@ The shipped ones are inside the installed package, or at the root of a source tr
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from pathlib import Path
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.on_disk import is_file, is_folder, is_there, why_hidden
+from pirate_sm.core.on_disk import (
+    YAML,
+    is_file,
+    is_folder,
+    is_there,
+    listed,
+    resolved,
+    why_hidden,
+)
 from pirate_sm.core.spelling import meant, nearest
 
 PROFILE_FILE = "profile.yaml"
 _PACKAGE = Path(__file__).resolve().parents[1]
-SUFFIXES = (".yaml", ".yml")
+SUFFIXES = YAML
 _RECORDING = ".mcap"
 _LONGEST_NAME = 100
 _LONGEST_MESSAGE = 600
@@ -28,7 +35,7 @@ def shown(path: Path) -> str:
     """
     try:
         here = Path.cwd()
-        whole = path.resolve() if is_file(path) or is_folder(path) else path.absolute()
+        whole = resolved(path) if is_file(path) or is_folder(path) else path.absolute()
     except (OSError, RuntimeError, ValueError):
         return str(path).replace("\0", "\\0")
     return str(whole.relative_to(here)) if whole.is_relative_to(here) else str(path)
@@ -43,7 +50,8 @@ def shipped() -> Path:
 def robots() -> list[Path]:
     """Return the folders of the shipped robots."""
     root = shipped() / "hardware_profiles"
-    return sorted(path.parent for path in root.glob(f"*/{PROFILE_FILE}"))
+    folders = (root / each.name for each in listed(root) if each.is_folder)
+    return [folder for folder in folders if is_file(folder / PROFILE_FILE)]
 
 
 def missions() -> list[Path]:
@@ -73,8 +81,7 @@ def scenes() -> list[Path]:
 
 def _files(*folders: str) -> list[Path]:
     folder = shipped().joinpath(*folders)
-    names = sorted(os.listdir(folder))  # noqa: PTH208 - paths are ten times as slow to sort
-    return [folder / name for name in names if name.endswith(".yaml")]
+    return [folder / each.name for each in listed(folder) if each.name.endswith(YAML[0])]
 
 
 def find_scene(name: str) -> Path:
@@ -101,9 +108,9 @@ def find_robot(name: str | None, beside: Path | None = None) -> Path:
         return robots()[0]
     for path in _candidates(name, beside):
         if is_file(path / PROFILE_FILE):
-            return path.resolve()
+            return resolved(path)
         if path.name == PROFILE_FILE and is_file(path):
-            return path.parent.resolve()
+            return resolved(path.parent)
     if is_path(name):
         for path in _candidates(name, beside):
             if why := why_hidden(path / PROFILE_FILE):
@@ -121,7 +128,7 @@ def shadowing(name: str, found: Path) -> str:
         found: The folder found under this name.
     """
     known = {path.name: path for path in robots()}
-    if is_path(name) or name not in known or known[name].resolve() == found.resolve():
+    if is_path(name) or name not in known or resolved(known[name]) == resolved(found):
         return ""
     return f"the robot '{name}' is the one in {shown(found)}, not the shipped one of that name"
 

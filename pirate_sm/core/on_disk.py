@@ -1,9 +1,12 @@
-"""Asks what is at a path.
+"""Asks what is at a path, and remembers on request what was asked, to ask it again.
 
 The questions of ``pathlib`` raise for some paths and deny that there is anything at others. Here
 what is in a folder that may not be entered is there, and neither a file nor a folder: whoever opens
 it says why it cannot be read or written. Nothing is at a path that no file can have, such as one
 that is too long.
+
+Loading and checking ask the disk only here, so that a result can be kept with all questions that
+it depends on, and used again as long as they have the same answers.
 """
 
 from __future__ import annotations
@@ -11,9 +14,21 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from io import BufferedReader
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from functools import wraps
+from hashlib import blake2b
+from io import BufferedReader, BytesIO
 from pathlib import Path
-from secrets import token_hex
+from typing import Any, Final, NamedTuple, ParamSpec, TypeVar, cast
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+YAML = (".yaml", ".yml")
+"""Endings of our files."""
 
 PART = ".part"
 """Ending of a file that is not whole yet."""
@@ -25,6 +40,145 @@ _WITHOUT_WAITING = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
 """Flags that open a named pipe although nobody writes to it; no system has them all."""
 
 
+# --- what was asked -------------------------------------------------------------------------------
+
+
+_LARGEST_NOTED: Final = 1 << 26
+"""What is read of a larger file is not noted, bytes. [decided]"""
+
+
+@dataclass
+class DiskAnswers:
+    """Questions about paths, each with a text that tells its answer from any other.
+
+    Attributes:
+        answers: The answers by the names of the questions and their paths.
+        whole: Whether these are all questions, and none had two answers.
+    """
+
+    answers: dict[tuple[str, str], str] = field(default_factory=dict)
+    whole: bool = True
+
+    def note(self, name: str, path: str, answer: str) -> None:
+        """Add a question with its answer."""
+        self.whole &= self.answers.setdefault((name, path), answer) == answer
+
+    def holds(self) -> bool:
+        """Return whether all questions have the same answers now."""
+        return self.whole and all(
+            _told(_QUESTIONS[name], path)[1] == answer
+            for (name, path), answer in self.answers.items()
+        )
+
+    def repeat(self) -> None:
+        """Tell those who want to know that these questions were asked."""
+        for each in _listening.get():
+            each.whole &= self.whole
+            for (name, path), answer in self.answers.items():
+                each.note(name, path, answer)
+
+
+_listening: ContextVar[tuple[DiskAnswers, ...]] = ContextVar("listening", default=())
+_QUESTIONS: Final[dict[str, Callable[[Path | str], Any]]] = {}
+
+
+@contextmanager
+def noting() -> Iterator[DiskAnswers]:
+    """Return a context that notes all questions."""
+    asked = DiskAnswers()
+    before = _listening.set((*_listening.get(), asked))
+    try:
+        yield asked
+    finally:
+        _listening.reset(before)
+
+
+def asks_elsewhere() -> None:
+    """Say that a result depends on what cannot be asked here again."""
+    for each in _listening.get():
+        each.whole = False
+
+
+def remembered(most: int) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Let a function keep its last results, as long as the disk still answers the same.
+
+    Args:
+        most: How many are kept.
+    """
+
+    def remembering(make: Callable[P, R]) -> Callable[P, R]:
+        kept: dict[Hashable, tuple[R, DiskAnswers]] = {}
+
+        @wraps(make)
+        def found(*arguments: P.args, **named: P.kwargs) -> R:
+            key = (here(), *arguments, *named.items())
+            known = kept.get(key)
+            if known is not None and known[1].holds():
+                known[1].repeat()
+                return known[0]
+            with noting() as asked:
+                result = make(*arguments, **named)
+            kept.pop(key, None)
+            kept[key] = result, asked
+            if len(kept) > most:
+                kept.pop(next(iter(kept)), None)  # another thread may have removed it
+            return result
+
+        return found
+
+    return remembering
+
+
+def _question(ask: Callable[[Path | str], R]) -> Callable[[Path | str], R]:
+    """Let a question about a path be noted."""
+    _QUESTIONS[ask.__name__] = ask
+
+    @wraps(ask)
+    def asked(path: Path | str) -> R:
+        listening = _listening.get()
+        if not listening:
+            return ask(path)
+        result, answer = _told(ask, path)
+        for each in listening:
+            each.note(ask.__name__, os.fspath(path), answer)
+        if isinstance(result, Exception):
+            raise result
+        return cast(R, result)
+
+    return asked
+
+
+def _told(ask: Callable[[Path | str], Any], path: Path | str) -> tuple[Any, str]:
+    """Return the answer to a question, or the error that it raises, and a text of it."""
+    try:
+        result = ask(path)
+    except (OSError, RuntimeError, ValueError) as error:
+        return error, repr(error)
+    if isinstance(result, bytes):
+        return result, blake2b(result, digest_size=16).hexdigest()
+    return result, repr(result)
+
+
+def here() -> str:
+    """Return the working folder, from which files have their names; empty without one."""
+    try:
+        return os.getcwd()  # noqa: PTH109 - it is called often
+    except OSError:
+        return ""
+
+
+class Listed(NamedTuple):
+    """A folder, a link to one, or a YAML file in a folder."""
+
+    name: str
+    is_folder: bool
+    is_link: bool
+
+
+# --- questions ------------------------------------------------------------------------------------
+
+
+@_question
 def is_there(path: Path | str) -> bool:
     """Return whether something is at this path, also a broken link, or it cannot be found out."""
     try:
@@ -33,19 +187,51 @@ def is_there(path: Path | str) -> bool:
         return False
 
 
-def is_file(path: Path) -> bool:
+@_question
+def is_file(path: Path | str) -> bool:
     """Return whether a file is known to be at this path."""
     try:
-        return path.is_file()
+        return Path(path).is_file()
     except (OSError, ValueError):
         return False
 
 
-def is_folder(path: Path | os.DirEntry[str]) -> bool:
+@_question
+def is_folder(path: Path | str) -> bool:
     """Return whether a folder is known to be at this path."""
     try:
-        return path.is_dir()
+        return Path(path).is_dir()
     except (OSError, ValueError):
+        return False
+
+
+@_question
+def resolved(path: Path | str) -> Path:
+    """Return the path with all links followed.
+
+    Raises:
+        OSError: It cannot be followed; before Python 3.13 a ``RuntimeError`` for links in a circle.
+        ValueError: No file can have this path.
+    """
+    return Path(path).resolve()
+
+
+@_question
+def listed(folder: Path | str) -> list[Listed]:
+    """Return the folders and the YAML files in a folder, in the order of their names.
+
+    Raises:
+        OSError: It cannot be searched.
+    """
+    with os.scandir(folder) as entries:
+        found = (Listed(each.name, _leads_into(each), each.is_symlink()) for each in entries)
+        return sorted(each for each in found if each.is_folder or each.name.endswith(YAML))
+
+
+def _leads_into(entry: os.DirEntry[str]) -> bool:
+    try:
+        return entry.is_dir()
+    except OSError:
         return False
 
 
@@ -59,8 +245,24 @@ def opened(path: Path | str) -> BufferedReader:
         OSError: It cannot be opened, or is no regular file.
         ValueError: No file can have this path.
     """
+    content = _content(path) if _listening.get() else None
+    if content is None:
+        return _opened(path)
+    if len(content) > _LARGEST_NOTED:
+        asks_elsewhere()
+        return _opened(path)
+    return BufferedReader(cast(Any, BytesIO(content)))
+
+
+def _opened(path: Path | str) -> BufferedReader:
     _refuse_irregular(path, os.stat(path))  # noqa: PTH116 - a path may be a text
     return open(path, "rb", opener=_without_waiting)
+
+
+@_question
+def _content(path: Path | str) -> bytes:
+    with _opened(path) as stream:
+        return stream.read(_LARGEST_NOTED + 1)
 
 
 def replace_file(path: Path, content: bytes | memoryview) -> None:
@@ -75,7 +277,7 @@ def replace_file(path: Path, content: bytes | memoryview) -> None:
     Raises:
         OSError: It cannot be written.
     """
-    part = path.with_name(f".{path.name[:50]}.{token_hex(4)}{PART}")
+    part = path.with_name(f".{path.name[:50]}.{os.urandom(4).hex()}{PART}")
     try:
         with part.open("xb") as file:
             file.write(content)
@@ -116,6 +318,7 @@ def _refuse_irregular(path: Path | str, status: os.stat_result) -> None:
         raise OSError(errno.EINVAL, "it is not a regular file", str(path))
 
 
+@_question
 def why_hidden(path: Path | str) -> str:
     """Return why it cannot be found out what is at this path; empty if it can."""
     try:

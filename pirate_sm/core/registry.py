@@ -13,6 +13,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Generic, NamedTuple, TypeVar, cast
 
 from pirate_sm.core.errors import BackendError, PirateError, UsageError
+from pirate_sm.core.on_disk import asks_elsewhere
 from pirate_sm.core.spelling import meant
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -88,6 +89,8 @@ class Registry(Generic[F]):
             point = self._others.get(name)
         if point is None:
             raise UsageError(f"there is no {self._kind} '{name}'; {meant(name, self.names)}")
+        if name not in self._ours:
+            asks_elsewhere()  # the code of another package may look at anything
         try:
             make = self._load(point).make
         except UsageError as error:

@@ -17,7 +17,7 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.fields import Angle, Date, Format, Frozen, Name
 from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedRobot, validate
-from pirate_sm.core.on_disk import is_folder, replace_file
+from pirate_sm.core.on_disk import is_folder, listed, replace_file
 from pirate_sm.core.robot import RobotSpec
 
 LARGEST_ZERO_RAD = radians(30)
@@ -51,11 +51,11 @@ def find_calibration(robot: LoadedRobot) -> Path | None:
     It is beside the profile, or in the user's folder if the profile's is read-only.
     """
     found = [
-        (match[1], -place, path)
+        (match[1], -place, folder / each.name)
         for place, folder in enumerate(_folders(robot))
         if is_folder(folder)
-        for path in folder.iterdir()
-        if (match := _FILE.fullmatch(path.name))
+        for each in listed(folder)
+        if (match := _FILE.fullmatch(each.name))
     ]
     return max(found)[2] if found else None
 

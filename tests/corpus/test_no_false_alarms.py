@@ -12,7 +12,8 @@ import pytest
 import yaml
 from representative import MISSIONS, thorough_but
 
-from pirate_sm.checking.check_project import Wishes, check_paths
+from pirate_sm.checking.check_project import check_paths
+from pirate_sm.checking.file_part import Wishes
 from pirate_sm.core import library
 
 from .odd import Odd, odd_missions

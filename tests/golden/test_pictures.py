@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pirate_sm.core.loading import load_robot
 from pirate_sm.robot.vision.opencv import cv2
 from website.bend import PICTURE, drawn
 from website.camera_pictures import MOMENTS, seen
@@ -24,7 +23,6 @@ def test_a_picture_of_a_page_was_taken_of_the_page_as_it_is(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(ROOT)
-    load_robot.cache_clear()  # its files have the names that they had in another folder
     known = json.loads(MADE_OF.read_text("utf-8"))
 
     assert made_of(page_of(SHOTS[name], tmp_path)) == known[name], "another page: make pictures"

@@ -194,7 +194,7 @@ def _files(typed: str, fits: Callable[[Path], bool]) -> Iterator[Candidate]:
         if not each.name.startswith(name) or (each.name[0] == "." and not name):
             continue
         path = inside / each.name
-        if is_folder(each):
+        if is_folder(each.path):
             yield f"{folder}{slash}{each.name}/", ""
         elif fits(path):
             yield f"{folder}{slash}{each.name}", about_file(path)

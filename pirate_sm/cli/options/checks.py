@@ -60,6 +60,7 @@ class CheckOptions(CommandOptions):
     rehearse: bool = flag("Run each mission in the simulator.", "--rehearse")
     seeds: int = typed("How often each is rehearsed.", min=1, default=1)
     outside: bool = flag("Follow `call` and `pipe` out of the project.", "--outside")
+    no_cache: bool = flag("Check all files again, and keep no results.", "--no-cache")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -249,6 +249,21 @@ class ConfigOptions(CommandOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
+class CacheOptions(CommandOptions):
+    """Show or clear the kept results of checks.
+
+    `pirate check`, and the check before a simulated run, use a result again while all files that it
+    depends on are as they were. The oldest are removed as they become too many.
+
+    Exit codes: 0 shown or cleared, 2 they cannot be removed.
+    """
+
+    what: Literal["show", "clear"] = argument(
+        None, None, "Show where they are and how many, or remove them.", default="show"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class CompletionOptions(CommandOptions):
     """Print a script with which a shell completes command lines.
 

@@ -20,7 +20,7 @@ from pirate_sm.core._loading.problems import LoadError, Path, Problems
 from pirate_sm.core._loading.yaml.document import LARGEST_FILE, Document, read_document
 from pirate_sm.core.errors import PirateError, UsageError
 from pirate_sm.core.library import PROFILE_FILE
-from pirate_sm.core.on_disk import is_there, opened
+from pirate_sm.core.on_disk import is_there, opened, resolved
 
 MISSION = ("mission", "robot", "start", "phases", "ends")
 PIPE = ("pipe", "diameter", "segments")
@@ -54,6 +54,11 @@ def kept_inside(*, wanted: bool) -> Iterator[None]:
         _kept_inside.reset(before)
 
 
+def keeps_inside() -> bool:
+    """Return whether references out of the project are refused."""
+    return _kept_inside.get()
+
+
 def followed(file: FilePath, folder: FilePath) -> FilePath:
     """Return the file of a reference, checked against the project's folder.
 
@@ -64,14 +69,14 @@ def followed(file: FilePath, folder: FilePath) -> FilePath:
     Raises:
         OutsideError: It leaves the project, and that is not allowed.
     """
-    if _kept_inside.get() and not any(file.resolve().is_relative_to(r) for r in _roots(folder)):
+    if _kept_inside.get() and not any(resolved(file).is_relative_to(r) for r in _roots(folder)):
         raise OutsideError("this leads out of the project's folder")
     return file
 
 
 def _roots(folder: FilePath) -> Iterator[FilePath]:
     """Yield the folders that a reference from this folder may enter."""
-    here = folder.resolve()
+    here = resolved(folder)
     yield here
     yield from (library.shipped() / name for name in ("sequences", "hardware_profiles"))
     if here.is_relative_to(FilePath.cwd()):
@@ -138,7 +143,7 @@ def extended_folders(path: FilePath) -> tuple[FilePath, ...]:
     data = read_document(path).data
     given = data.get(EXTENDS) if isinstance(data, dict) else None
     below = extended_folders(path.parent / str(given)) if given else ()
-    return path.parent.resolve(), *below
+    return resolved(path.parent), *below
 
 
 def _read_above(path: FilePath, above: tuple[FilePath, ...]) -> Document:
@@ -152,8 +157,8 @@ def _read_above(path: FilePath, above: tuple[FilePath, ...]) -> Document:
             "robot.extends", (EXTENDS,), "expected the path of the file that this one extends"
         )
         problems.raise_errors()
-    below, files = path.parent / str(given), (*above, path.resolve())
-    if below.resolve() in files:
+    below, files = path.parent / str(given), (*above, resolved(path))
+    if resolved(below) in files:
         problems.add("robot.extends", (EXTENDS,), "these files extend each other")
         problems.raise_errors()
     try:

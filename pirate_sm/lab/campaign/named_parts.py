@@ -30,7 +30,7 @@ from pirate_sm.core.loading import (
     twin_named,
 )
 from pirate_sm.core.models import Profile
-from pirate_sm.core.on_disk import is_there
+from pirate_sm.core.on_disk import is_there, resolved
 from pirate_sm.core.options import OPTIONS
 from pirate_sm.core.robot import ChartTable
 from pirate_sm.core.units import QuantityError, format_quantity
@@ -456,4 +456,4 @@ def _listed(choices: Choices, key: str) -> Iterator[tuple[str, Keys]]:
 def from_here(path: Path) -> str:
     """Return the path, relative to the working directory where it is below that."""
     relative = os.path.relpath(path)
-    return relative if not relative.startswith("..") else str(path.resolve())
+    return relative if not relative.startswith("..") else str(resolved(path))

@@ -15,6 +15,7 @@ from pydantic import Field, PlainSerializer, PlainValidator, TypeAdapter, Valida
 from pydantic_core import to_json, to_jsonable_python
 
 import pirate_sm
+from pirate_sm.core.documents import read_text
 from pirate_sm.core.loading import LoadedMission, twin_named
 from pirate_sm.core.models import LineFaults
 from pirate_sm.core.on_disk import is_file
@@ -189,7 +190,7 @@ def key_of(order: Order, loaded: LoadedMission, end: TrueEnd, design: Design | N
         end.model_dump_json(),
         *([] if design is None else [design.digest]),
         *(document.text for document in loaded.documents),
-        *(Path(each).read_text("utf-8") for each in named if each and is_file(Path(each))),
+        *(read_text(each, each, "a file") for each in named if each and is_file(each)),
     ]
     digest = sha256()
     for part in parts:

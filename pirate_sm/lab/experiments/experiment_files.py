@@ -15,7 +15,7 @@ from pirate_sm.core.documents import Path as At
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.library import PROFILE_FILE
 from pirate_sm.core.loading import LoadedRobot, load_robot, validate
-from pirate_sm.core.on_disk import is_file
+from pirate_sm.core.on_disk import is_file, resolved
 from pirate_sm.core.spelling import nearest, one_of
 from pirate_sm.core.units import QuantityError, parse_unit
 from pirate_sm.lab.campaign.named_parts import check_defect
@@ -169,7 +169,7 @@ def _missions(setup: Setup) -> Iterator[tuple[At, str]]:
 
 def _robot(path: Path, problems: Problems) -> LoadedRobot | None:
     """Return the robot that the experiment is of; None if its own files have faults."""
-    folder = path.resolve().parent.parent
+    folder = resolved(path).parent.parent
     if not is_file(folder / PROFILE_FILE):
         message = f"an experiment belongs in a folder next to the {PROFILE_FILE} of its robot"
         problems.add("experiment.robot", ("experiment",), message, key=True)

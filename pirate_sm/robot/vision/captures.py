@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.on_disk import is_file
+from pirate_sm.core.on_disk import asks_elsewhere, is_file
 from pirate_sm.robot import camera as kinds
 from pirate_sm.robot.vision.opencv import Frame, cv2
 
@@ -114,6 +114,7 @@ def open_capture(source: kinds.CameraSource, folder: Path) -> Capture:
     Raises:
         UsageError: It cannot be opened, or it is drawn by the simulator.
     """
+    asks_elsewhere()  # OpenCV opens files itself
     match source:
         case kinds.DeviceSource() | kinds.FileSource() | kinds.UrlSource():
             return VideoCapture(source, folder)

@@ -9,13 +9,7 @@ from pirate_sm.core import library
 from pirate_sm.core.documents import Document, read_document
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.errors import Hint, UsageError
-from pirate_sm.core.loading import (
-    LoadedMission,
-    holding_in,
-    load_mission,
-    simulated_profile,
-    twin_named,
-)
+from pirate_sm.core.loading import LoadedMission, holding_in, load_mission, twin_named
 from pirate_sm.core.options import OPTIONS, OTHERS
 from pirate_sm.core.program import Wait
 from pirate_sm.core.registry import Registry
@@ -95,7 +89,7 @@ def prepare(
     if order.check:
         from pirate_sm.checking.gate import pass_or_raise
 
-        pass_or_raise(loaded, words_of_bends=speaks_of_bends(order.detector))
+        pass_or_raise(loaded, words_of_bends=speaks_of_bends(order.detector), backend=order.backend)
     made = make(order, loaded, say)
     loaded = made.loaded or loaded
     found = _detecting(order, loaded, made)
@@ -165,9 +159,7 @@ def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detectin
                 hint=Hint(" (--detector, --start-at)", " (detector, start_at_m)"),
             )
         return NOBODY
-    of_robot, robot = loaded.loaded_robot.profile, loaded.robot
-    # A twin says how far the words of a simulated detector are off, too.
-    profile = simulated_profile(of_robot, order.twin, order.seed, order.numbers)
+    profile, robot = loaded.loaded_robot.profile, loaded.robot
     asked = Asked(
         profile, robot, loaded.pipe, order.start_at_m, made.places, made.wheels, order.seed
     )

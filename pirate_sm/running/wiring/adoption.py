@@ -175,7 +175,7 @@ def begun_there(prepared: Prepared, table: VerdictTable) -> LoadedMission:
     there = table.hypothesis.body.configuration
     loaded = replace(loaded, program=replace(loaded.program, start_configuration=there))
     if order.check and loaded.mission.mission != BY_HAND:
-        pass_or_raise(loaded, words_of_bends=speaks_of_bends(order.detector))
+        pass_or_raise(loaded, words_of_bends=speaks_of_bends(order.detector), backend=order.backend)
     return loaded
 
 

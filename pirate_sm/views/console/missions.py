@@ -60,7 +60,7 @@ def load_listed(order: Order, path: Path) -> LoadedMission:
     """
     loaded = load(chosen(order, str(path)))
     if order.check:
-        pass_or_raise(loaded, words_of_bends=speaks_of_bends(order.detector))
+        pass_or_raise(loaded, words_of_bends=speaks_of_bends(order.detector), backend=order.backend)
     return loaded
 
 

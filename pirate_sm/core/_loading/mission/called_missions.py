@@ -19,6 +19,7 @@ from pirate_sm.core._loading.yaml.validation import validate
 from pirate_sm.core._model import mission as model
 from pirate_sm.core.errors import PirateError, UsageError
 from pirate_sm.core.library import PROFILE_FILE
+from pirate_sm.core.on_disk import resolved
 from pirate_sm.core.spelling import nearest, one_of
 
 DEEPEST_CALL = 16
@@ -51,7 +52,7 @@ class Calls:
                 for step, _ in model.every_step(phase.do):
                     inner += not isinstance(step, model.RepeatStep)
                     if isinstance(step, model.CallStep):
-                        called = self._quietly(step.call, source.path.resolve().parent)
+                        called = self._quietly(step.call, resolved(source.path).parent)
                         if called is not None:
                             inner += self.least_length(called, calls | {source.path})
             self._lengths[source.path] = inner
@@ -59,7 +60,7 @@ class Calls:
 
     def source(self, name: str, scope: Scope, path: Path) -> Source | None:
         """Return the called mission, cached; None after reporting why it cannot be used."""
-        folder = scope.source.path.resolve().parent
+        folder = resolved(scope.source.path).parent
         try:
             found = self._read(name, folder)
         except LoadError as error:
@@ -80,7 +81,7 @@ class Calls:
             return None  # reported at the call
 
     def _read(self, name: str, folder: FilePath) -> Source:
-        file = references.followed(library.find_mission(name, folder), folder).resolve()
+        file = resolved(references.followed(library.find_mission(name, folder), folder))
         if file not in self._known:
             document = read_document(file)
             self.files[file] = document
@@ -105,7 +106,7 @@ def suits(called: Source, calling: Source) -> bool:
 def _robot_of(source: Source) -> FilePath | None:
     """Return the folder of a mission's robot; None if there is none."""
     try:
-        return library.find_robot(source.mission.robot, source.path.resolve().parent).resolve()
+        return library.find_robot(source.mission.robot, resolved(source.path).parent)
     except PirateError:
         return None
 

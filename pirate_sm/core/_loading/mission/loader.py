@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from copyreg import pickle
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from hashlib import sha256
 from math import inf
@@ -39,6 +39,7 @@ from pirate_sm.core._model.pipe import Pipe
 from pirate_sm.core._model.quantities import FROM_FILE
 from pirate_sm.core._model.robot.profile import Profile
 from pirate_sm.core.errors import Hint, UsageError
+from pirate_sm.core.on_disk import here, noting, resolved
 from pirate_sm.core.spelling import unknown
 from pirate_sm.core.units import QuantityError
 
@@ -54,6 +55,7 @@ class LoadedMission:
         parameters: The values in force, as text for messages.
         notices: Messages for the user that are not faults.
         problems: What was found when it was loaded: warnings, and faults that were tolerated.
+        origin: A digest of all that it was loaded from; empty for one that was changed since.
     """
 
     mission: Mission
@@ -67,6 +69,7 @@ class LoadedMission:
     parameters: Mapping[str, str]
     notices: tuple[str, ...] = ()
     problems: tuple[Problem, ...] = ()
+    origin: str = field(default="", init=False, compare=False)
 
     def __repr__(self) -> str:
         where = f"in pipe {self.pipe_name}" if self.pipe_name else "without a pipe"
@@ -105,10 +108,31 @@ def load_mission(
         LoadError: The files have faults; holds all of them.
         UsageError: An argument does not fit the mission.
     """
+    options = robot, pipe, settings, start_phase, states, fitted, tolerated
+    with noting() as asked:
+        loaded = _loaded(path, *options)
+    if asked.whole:
+        inside, numbers = references.keeps_inside(), fitted and (fitted.name, fitted.complete_text)
+        given = str(path), here(), inside, *options[:5], numbers, sorted(tolerated)
+        origin = sha256(repr((given, asked.answers)).encode())
+        object.__setattr__(loaded, "origin", origin.hexdigest())
+    return loaded
+
+
+def _loaded(
+    path: Path,
+    robot: str | None,
+    pipe: str | None,
+    settings: Mapping[str, str] | None,
+    start_phase: str | None,
+    states: Mapping[str, str] | None,
+    fitted: Document | None,
+    tolerated: Collection[str],
+) -> LoadedMission:
     document = read_document(path)
     problems = Problems(document)
     mission = _shape(document, problems, spare=bool(tolerated))
-    folder = path.resolve().parent
+    folder = resolved(path).parent
     loaded = with_fitted(_robot(robot, mission, folder, problems), fitted)
     if robot is not None:
         shadow = library.shadowing(robot, loaded.folder)

@@ -22,6 +22,7 @@ from pirate_sm.core._loading.problems import Problems
 from pirate_sm.core._loading.robot.commands import rules_for
 from pirate_sm.core._loading.robot.loader import LoadedRobot
 from pirate_sm.core._loading.yaml.document import Document
+from pirate_sm.core.on_disk import resolved
 
 
 def build_program(
@@ -81,7 +82,7 @@ def _outermost(source: Source, robot: LoadedRobot, values: Values, problems: Pro
         labels_of(mission),
         out.STOP,
         (),
-        (source.path.resolve(),),
+        (resolved(source.path),),
     )
 
 

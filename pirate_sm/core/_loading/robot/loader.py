@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from pathlib import Path
 from typing import Final, Literal
 
@@ -40,6 +39,7 @@ from pirate_sm.core._model.robot import signals as kinds
 from pirate_sm.core._model.robot.profile import Profile
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.library import PROFILE_FILE
+from pirate_sm.core.on_disk import remembered
 
 Polarity = Literal["normal", "mirrored"]
 
@@ -76,7 +76,6 @@ class LoadedRobot:
         return self.normal if polarity == "normal" else self.mirrored
 
 
-@lru_cache(maxsize=8)
 def load_robot(folder: Path) -> LoadedRobot:
     """Return the robot in this folder.
 
@@ -86,6 +85,11 @@ def load_robot(folder: Path) -> LoadedRobot:
     Raises:
         LoadError: Its files have faults; holds all of them.
     """
+    return _sound_robot(folder, references.keeps_inside())
+
+
+@remembered(8)
+def _sound_robot(folder: Path, inside: bool) -> LoadedRobot:
     robot, problems = read_robot(folder)
     problems.raise_errors()
     return robot

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from checking.small_missions import MISSION
-from pirate_sm.checking.check_project import Wishes, check_paths
+from pirate_sm.checking.check_project import check_paths
+from pirate_sm.checking.file_part import Wishes
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.reports.check_report import CheckReport, Nearly, Rehearsal, RehearsedRun
 from pirate_sm.checking.reports.text import text_report

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from checking.small_missions import MISSION
-from pirate_sm.checking import check_project as project
-from pirate_sm.checking.check_project import Wishes, check_paths
+from pirate_sm.checking import check_file
+from pirate_sm.checking.check_project import check_paths
+from pirate_sm.checking.file_part import Wishes
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.checking.reports.check_report import CheckReport
@@ -306,7 +307,7 @@ def test_a_fault_of_the_check_is_a_finding_and_the_others_go_on(
     def fail(*_: object, **__: object) -> None:
         raise RuntimeError("lost")
 
-    monkeypatch.setattr(project, "check_mission", fail)
+    monkeypatch.setattr(check_file, "check_mission", fail)
     write("a.yaml")
     write("b.yaml", PIPE.replace("120 mm", "120"))
 
@@ -327,7 +328,7 @@ def test_of_equal_findings_the_surest_with_the_shortest_story_is_kept(
         Finding("step.impossible", Severity.ERROR, place, "m"),
     ]
     check = MissionCheck(tuple(same))
-    monkeypatch.setattr(project, "check_mission", lambda *_, **__: check)
+    monkeypatch.setattr(check_file, "check_mission", lambda *_, **__: check)
 
     (finding,) = check_paths(["a.yaml"]).findings
     assert (finding.severity, finding.story) == (Severity.ERROR, ("b",))

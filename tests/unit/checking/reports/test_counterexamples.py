@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from typer.testing import CliRunner
 
-from pirate_sm.checking.check_project import Wishes, check_paths
+from pirate_sm.checking.check_project import check_paths
+from pirate_sm.checking.file_part import Wishes
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.cli.entry import only_run
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.loading import load_robot
 
 BAD = """\
 format: 1
@@ -40,11 +39,10 @@ ends:
 
 
 @pytest.fixture(autouse=True)
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "bad.yaml").write_text(BAD, encoding="utf-8")
-    yield tmp_path
-    load_robot.cache_clear()  # its files are named as they are seen from the folder of this test
+    return tmp_path
 
 
 def checked(*paths: str, **wishes: Any) -> CheckReport:

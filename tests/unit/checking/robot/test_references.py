@@ -248,7 +248,6 @@ def _unnoticed(
         put(wrong, at, new)
         file = target / "profile.yaml"
         file.write_text(yaml.safe_dump(wrong, sort_keys=False), encoding="utf-8")
-        load_robot.cache_clear()
         findings = check_robot(target).findings
         text = f"{dotted(at)}: {what}"
         if not findings and not any(re.fullmatch(f"({it})(: .*)?", text) for it in exceptions):

@@ -15,10 +15,10 @@ from typing import Any
 import pytest
 from checking.small_missions import MISSION
 
-from pirate_sm.cli.commands import check
+from pirate_sm.cli import kept_reports
+from pirate_sm.cli.commands import check, checked
 from pirate_sm.cli.options.checks import CheckOptions
 from pirate_sm.cli.output.terminal import Show
-from pirate_sm.core.loading import load_robot
 
 from ..conftest import ROOT
 
@@ -52,7 +52,6 @@ def test_all_shipped_files_are_clean_even_of_warnings(
     pirate: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(ROOT)
-    load_robot.cache_clear()  # its files have the names that they had in another folder
     result = pirate("check", "--fail-on", "warning")
 
     assert (result.exit_code, result.stderr) == (0, "")
@@ -197,13 +196,13 @@ def test_files_are_not_checked_again_once_nothing_is_left_to_change(
     more: tuple[str, ...],
     checks: int,
 ) -> None:
-    done, check_paths = [], check.check_paths
+    done, check_paths = [], checked.check_paths
 
     def counted(*asked: Any) -> Any:
         done.append(asked)
         return check_paths(*asked)
 
-    monkeypatch.setattr(check, "check_paths", counted)
+    monkeypatch.setattr(checked, "check_paths", counted)
     assert pirate("check", short, "--fix", "--unsafe-fixes", *more).exit_code == 0
 
     assert short.read_text("utf-8") == MISSION
@@ -243,7 +242,7 @@ def test_a_terminal_is_coloured_and_nothing_else_is(
     check.run_check(options)
     assert "\x1b" not in "".join(capsys.readouterr())
 
-    monkeypatch.setattr(check, "shows_colour", lambda _: True)
+    monkeypatch.setattr(kept_reports, "shows_colour", lambda _: True)
     check.run_check(options)
     assert "\x1b[1;91merror\x1b[0m" in capsys.readouterr().out
 
@@ -257,7 +256,7 @@ def test_a_terminal_shows_which_file_is_being_checked(
     def progress(what: str) -> Iterator[Show]:
         yield lambda share, more="": lines.append(f"{what}: {share:.0%}{more}")
 
-    monkeypatch.setattr(check, "progress", progress)
+    monkeypatch.setattr(checked, "progress", progress)
     check.run_check(CheckOptions(paths=[str(broken)]))
     assert lines == ["checking: 0%, b.yaml"]
 
@@ -297,7 +296,7 @@ def test_a_fault_of_the_check_is_a_finding_or_with_debug_a_traceback(
     def fail(*_: object, **__: object) -> None:
         raise RuntimeError("lost")
 
-    monkeypatch.setattr("pirate_sm.checking.check_project.check_mission", fail)
+    monkeypatch.setattr("pirate_sm.checking.check_file.check_mission", fail)
 
     result = pirate("check", warned)
     assert (result.exit_code, "check.failed" in result.stdout) == (1, True)

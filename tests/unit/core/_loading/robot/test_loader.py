@@ -212,7 +212,6 @@ def test_a_robot_without_slots_is_refused(newt):
 def test_a_missing_file_is_reported(newt, tmp_path, missing):
     assert newt("profile.yaml") == []
     (tmp_path / "newt" / missing).unlink()
-    load_robot.cache_clear()
 
     with pytest.raises(LoadError, match="there is no such file"):
         load_robot(tmp_path / "newt")
