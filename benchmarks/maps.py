@@ -152,7 +152,7 @@ def _worst(found: Sequence[tuple[float, ...]]) -> list[float]:
     return [max(values, key=abs) for values in zip(*found, strict=True)]
 
 
-def missed_in(row: Row, seed: int) -> Missed:
+def missed_in(row: Row, seed: int, twin: str | None = None) -> Missed:
     """Run a mission, and return how far its map is from the driven pipe."""
     with TemporaryDirectory() as folder:
         path = Path(folder, "run.mcap")
@@ -161,6 +161,7 @@ def missed_in(row: Row, seed: int) -> Missed:
             pipe=row.pipe,
             detector=row.detector,
             seed=seed,
+            twin=twin,
             record=path,
             start_jitter_m=0.02,
             friction_jitter=0.20,

@@ -120,6 +120,7 @@ def later(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     return left
 
 
+@pytest.mark.thorough
 def test_the_report_of_a_later_run_counts_time_from_its_own_start(later: Path) -> None:
     report = report_of(read_recording(later))
 

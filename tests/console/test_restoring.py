@@ -102,6 +102,7 @@ def test_the_list_says_which_commands_restore_a_phase_and_which_would_let_go() -
     played(story)
 
 
+@pytest.mark.thorough
 def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
     async def story() -> None:
         async with choosing("pass") as me:

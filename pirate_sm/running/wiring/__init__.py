@@ -9,7 +9,13 @@ from pirate_sm.core import library
 from pirate_sm.core.documents import Document, read_document
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.errors import Hint, UsageError
-from pirate_sm.core.loading import LoadedMission, holding_in, load_mission, twin_named
+from pirate_sm.core.loading import (
+    LoadedMission,
+    holding_in,
+    load_mission,
+    simulated_profile,
+    twin_named,
+)
 from pirate_sm.core.options import OPTIONS, OTHERS
 from pirate_sm.core.program import Wait
 from pirate_sm.core.registry import Registry
@@ -159,7 +165,9 @@ def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detectin
                 hint=Hint(" (--detector, --start-at)", " (detector, start_at_m)"),
             )
         return NOBODY
-    profile, robot = loaded.loaded_robot.profile, loaded.robot
+    of_robot, robot = loaded.loaded_robot.profile, loaded.robot
+    # A twin says how far the words of a simulated detector are off, too.
+    profile = simulated_profile(of_robot, order.twin, order.seed, order.numbers)
     asked = Asked(
         profile, robot, loaded.pipe, order.start_at_m, made.places, made.wheels, order.seed
     )

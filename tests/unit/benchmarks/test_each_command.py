@@ -62,7 +62,7 @@ NOT_RUN = {
     "witness": "serves a port until it is asked to end; `kills` starts it",
 }
 
-MAY_MISS_A_BAR = {"kills", "physics", "physics_agreement", "soak", "twin", "vision"}
+MAY_MISS_A_BAR = {"kills", "physics", "soak", "twin", "vision"}
 """They judge times, or numbers for which they need more, and end with exit code 1 then."""
 
 T = TypeVar("T")

@@ -46,6 +46,7 @@ READING = [
     "doctor --robot robot",
     "calibrate --robot robot",
     "bay --robot robot",
+    "firmware robot",
     "replay x.mcap",
     "compare x.mcap x.mcap",
     "compare results results",

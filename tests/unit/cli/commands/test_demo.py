@@ -128,6 +128,7 @@ def test_a_scene_plays_for_ten_to_thirty_seconds() -> None:
         assert 5.0 <= mission_s / load_scene(library.find_scene(name)).speed <= 30.0, name
 
 
+@pytest.mark.thorough
 def test_what_ends_otherwise_is_said_and_counts(
     pirate: Callable[..., Result], own: Callable[..., Path], tmp_path: Path
 ) -> None:

@@ -152,6 +152,7 @@ def test_the_page_of_the_very_recording_is_kept(pirate: Any, folder: Path) -> No
     assert pirate("report", folder).stdout.splitlines() == [str(folder / "index.html")]
 
 
+@pytest.mark.thorough
 def test_a_page_whose_recording_was_replaced_by_an_older_one_is_made_again(
     pirate: Any, folder: Path
 ) -> None:

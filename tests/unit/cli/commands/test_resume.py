@@ -215,6 +215,7 @@ def test_neither_a_mission_nor_a_recording() -> None:
     assert "name a MISSION, or a recording with --resume" in result.stderr
 
 
+@pytest.mark.thorough
 def test_a_run_that_was_resumed_can_be_resumed_again(
     cut: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

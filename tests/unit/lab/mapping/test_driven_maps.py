@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import sqrt
+from pathlib import Path
 
 import pytest
 from representative import thorough_but
@@ -47,6 +48,19 @@ def test_the_map_of_a_house_connection_equals_its_file(mission: str, seed: int) 
     found = missed_in(row(mission), seed)
     assert len(found.lengths_m) == 4  # main, riser before and behind its reducer, the leg behind
     near(found, between_words_m(), NEAR_DEG)
+    assert found.radii_m == pytest.approx([0.0], abs=NEAR_M)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("mission", ["house_connection", "house_connection_back"])
+def test_with_a_detector_that_is_never_off_it_equals_its_file_within_the_bar(
+    tmp_path: Path, mission: str, seed: int
+) -> None:
+    exact = tmp_path / "exact.yaml"
+    exact.write_text("format: 1\nrobot: pirate_ii\nnoise: {detector: 0 mm}\n", "utf-8")
+    found = missed_in(row(mission), seed, str(exact))
+    near(found, NEAR_M, NEAR_DEG)
     assert found.radii_m == pytest.approx([0.0], abs=NEAR_M)
 
 

@@ -1,8 +1,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from statistics import mean, stdev
-from typing import Literal
+from typing import Any, Literal
 
 import pytest
 
@@ -11,7 +12,7 @@ from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.geometry import Bend
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.robot.detectors.simple_detectors import TruePlaces
-from pirate_sm.running.wiring import Order, load
+from pirate_sm.running.wiring import Order, load, prepare
 
 Polarity = Literal["normal", "mirrored"]
 
@@ -40,6 +41,26 @@ def say(
         sees.look(state, 0.05 * step)
         said += [word.word for word in sees.speak(0.05 * step)]
     return list(dict.fromkeys(said))
+
+
+def test_a_twin_says_how_far_the_words_are_off(tmp_path: Path) -> None:
+    twin = tmp_path / "twin.yaml"
+    twin.write_text("format: 1\nrobot: pirate_ii\nnoise: {detector: 0 mm}\n", "utf-8")
+    number = {"noise.detector": "0 mm"}
+    exact = [
+        points(seed, **more)
+        for seed in (1, 2)
+        for more in ({"twin": str(twin)}, {"numbers": number})
+    ]
+    assert all(each == exact[0] for each in exact)
+    assert points(1) != points(2)
+
+
+def points(seed: int, **more: Any) -> object:
+    """Where the words of a run with this seed are said."""
+    companions = prepare(Order("mitre_bend", seed=seed, check=False, **more)).companions
+    (sees,) = (each for each in companions if isinstance(each, TruePlaces))
+    return sees._detector._points
 
 
 @pytest.mark.parametrize("polarity", ["normal", "mirrored"])

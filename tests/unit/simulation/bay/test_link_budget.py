@@ -52,6 +52,7 @@ def uart_model(profile: Profile, texts: dict[str, str], pipe: Pipe) -> Callable[
     return made
 
 
+@pytest.mark.thorough
 def test_in_the_uart_model_20_hz_fits(uart_model: Callable[[], Host]) -> None:
     host = uart_model()
     sent, echoed = at_rate(host, 20.0, 200)
@@ -111,6 +112,7 @@ def test_two_setpoint_frames_in_flight_overrun_the_ring(make: MakeBay) -> None:
     assert all(len(host.events("received")) < 2 for host in overrun)
 
 
+@pytest.mark.thorough
 def test_one_never_does(make: MakeBay) -> None:
     hosts = [sent_together(make, 1, phase / 1000) for phase in range(16)]
 
