@@ -12,10 +12,11 @@ from representative import thorough_but
 
 from pirate_sm.core.geometry import GRAVITY_M_S2, Route
 from pirate_sm.core.models import Friction, Profile
+from pirate_sm.simulation.kinematic import joints_and_motors
 from pirate_sm.simulation.kinematic.space.space_world import SpaceWorld
 from pirate_sm.simulation.kinematic.world import World as KinematicWorld
 from pirate_sm.simulation.mujoco.world import MujocoWorld
-from pirate_sm.simulation.physics import ChainBody, MakePhysics, QuantityLayout
+from pirate_sm.simulation.physics import SLIDING_SLIP, ChainBody, MakePhysics, QuantityLayout
 from pirate_sm.simulation.start_pose import stand
 
 from .conftest import CYCLE_S, Driver, bend, straight
@@ -164,6 +165,10 @@ def test_a_robot_that_clamps_beside_the_axis_creeps_to_it_as_it_drives(
     robot.drive(1.0)
     robot.run(5.0)
     assert _below_the_axis_m(robot) < clamped_m / 2
+
+
+def test_tyres_of_both_physics_slide_at_one_slip() -> None:
+    assert joints_and_motors._SLIDING_SLIP == SLIDING_SLIP
 
 
 @pytest.mark.parametrize("physics", [SpaceWorld, MujocoWorld])
