@@ -80,7 +80,7 @@ test-thorough: $(VENV)/.ready-dev
 
 # It needs g++; what is flashed is built and run where avr-g++ and simavr are.
 test-firmware: $(VENV)/.ready-dev
-	$(BIN)/python -m pytest -m firmware tests/firmware
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal -m firmware tests/firmware
 
 test-browser: $(VENV)/.ready-browser
 	$(BIN)/python -m pytest -m browser tests/browser

@@ -69,20 +69,22 @@ void Bay::put_in_force(Ticks now) {
 // --- what the host is told -----------------------------------------------------------------------
 
 void Bay::say(Ticks now) {
-  if (!node_.listened_to()) {
-    to_echo_ = false;
-    greeted_ = 0;
-  }
+  if (!node_.listened_to()) to_echo_ = false;
   if (to_echo_ && (cycle_.settled() || now - since_ >= ECHO_WITHIN)) {
     to_echo_ = !node_.send_echo(in_force_);
   }
-  if (!node_.ready()) return;
+  if (!node_.ready()) {
+    greeted_ = 0;
+    cycle_.told_nothing();
+    return;
+  }
   greet();
   if (refused_) refused_ = !node_.log(LOG_ERROR, "an array was refused: wrong length or range");
   Cycle::News news;
-  if (cycle_.news(news)) {
-    node_.log(LOG_WARNING, news.answers ? "answers again: board " : "no answer from board ",
-              Text(news.board).c_str());
+  if (cycle_.has_news(news) &&
+      node_.log(LOG_WARNING, news.answers ? "answers again: board " : "no answer from board ",
+                Text(robot::BOARDS[news.board].id).c_str())) {
+    cycle_.told(news);
   }
 }
 

@@ -121,14 +121,20 @@ bool Cycle::has_in_force(uint8_t board) const {
   return true;
 }
 
-bool Cycle::news(News& news) {
+// --- what the host is told of them ---------------------------------------------------------------
+
+bool Cycle::has_news(News& news) const {
   for (uint8_t board = 0; board < BOARD_COUNT; board++) {
-    State& state = states_[board];
-    const bool silent = state.missed >= SILENT;
-    if (silent == state.told_silent || (state.told_silent && state.missed > 0)) continue;
-    state.told_silent = silent;
-    news = {BOARDS[board].id, !silent};
-    return true;
+    const State& state = states_[board];
+    const bool silent = state.missed >= SILENT, answers = state.missed == 0;
+    if (state.told_silent ? answers : silent) {
+      news = {board, answers};
+      return true;
+    }
   }
   return false;
+}
+
+void Cycle::told_nothing() {
+  for (State& state : states_) state.told_silent = false;
 }

@@ -26,13 +26,16 @@ class Cycle {
   // Whether every board that answers at all has said that it has what is in force.
   bool settled() const;
 
-  // The number of a board that has just stopped to answer or begun again, to be told to the host
-  // once; 0 if there is none.
+  // What the host has not been told yet of a board: that it does not answer, or answers again.
   struct News {
     uint8_t board;
     bool answers;
   };
-  bool news(News& news);
+  bool has_news(News& news) const;
+  void told(const News& news) { states_[news.board].told_silent = !news.answers; }
+
+  // Another host listens, which has been told nothing.
+  void told_nothing();
 
  private:
   enum Case : uint8_t { IDLE, WRITE, READ, PUBLISH, CASES };

@@ -12,7 +12,7 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import load_robot
 from pirate_sm.core.models import Profile
 from pirate_sm.robot.backends.serial.assembly import read_plan
-from pirate_sm.robot.backends.serial.firmware_tables import firmware_header, greeting
+from pirate_sm.robot.backends.serial.firmware_tables import firmware_header, tables_of
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
 from tests.conformance.candidates import NEWT
 
@@ -59,13 +59,13 @@ def test_an_echo_with_other_fields_than_the_array_is_refused() -> None:
         firmware_header(profile, plan._replace(messages=messages))
 
 
-def test_the_greeting_changes_with_what_the_firmware_must_know_and_with_nothing_else() -> None:
+def test_what_is_told_changes_with_what_the_firmware_must_know_and_with_nothing_else() -> None:
     profile, plan = of(SIX_WHEELED)
     later = plan.serial.model_copy(update={"stop_after": 0.6})
     patient = plan.serial.model_copy(update={"recover_within": 9.0})
 
-    assert greeting(profile, plan._replace(serial=later)) != greeting(profile, plan)
-    assert greeting(profile, plan._replace(serial=patient)) == greeting(profile, plan)
+    assert tables_of(profile, plan._replace(serial=later)) != tables_of(profile, plan)
+    assert tables_of(profile, plan._replace(serial=patient)) == tables_of(profile, plan)
 
 
 def test_the_command_writes_the_header(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 from zlib import crc32
@@ -44,17 +45,30 @@ def firmware_header(profile: Profile, plan: LinkPlan) -> str:
         f"// Tables of a robot, written by `pirate firmware {name} -o robot.h`: do not edit them.",
         *("#pragma once", "", "#include <stdint.h>", "", "namespace robot {", ""),
         f'constexpr char TABLES[] = "{total}";  // CRC-32 of what follows, without comments',
-        f'constexpr char NAME_AND_TABLES[] = "{greeting(profile, plan)}";',
+        f'constexpr char NAME_AND_TABLES[] = "{tables_of(profile, plan)}";',
         *("", tables, "", "}  // namespace robot", ""),
     ))  # fmt: skip
 
 
-def greeting(profile: Profile, plan: LinkPlan) -> str:
-    """Return what a firmware with this robot's tables says of them; arguments and errors as above.
+def tables_of(profile: Profile, plan: LinkPlan) -> str:
+    """Return what a firmware with this robot's tables says of them.
 
     Any change of the robot's files that the firmware must know changes it.
     """
-    return f"robot {profile.robot}, tables {_sum(_tables(profile, plan))}"
+    try:
+        total = _sum(_tables(profile, plan))
+    except UsageError:  # it cannot be such a firmware
+        total = "none"
+    return f"robot {profile.robot}, tables {total}"
+
+
+_GREETING = re.compile(r"firmware \S+ of (robot \S+, tables \S+)")
+
+
+def said_tables(line: str) -> str:
+    """Return the tables that a firmware names in this line of its log; empty if it names none."""
+    found = _GREETING.fullmatch(line)
+    return found[1] if found else ""
 
 
 def _sum(tables: str) -> str:
