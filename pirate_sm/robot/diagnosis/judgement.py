@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from pirate_sm.core.geometry import GRAVITY_M_S2
 from pirate_sm.core.models import Advice, Board, Channel
-from pirate_sm.robot.backends.serial.firmware_tables import tables_of, said_tables
+from pirate_sm.robot.backends.serial.firmware_tables import said_tables, tables_of
 from pirate_sm.robot.backends.serial.link.conversation import NO_SENSORS, mute
 from pirate_sm.robot.diagnosis.facts import (
     BoardFact,
@@ -86,9 +86,9 @@ def _about_tables(facts: Facts, subject: ExpectedRobot) -> Iterator[DoctorFindin
     if theirs and ours not in theirs:
         yield DoctorFinding(
             "no-go",
-            f"the firmware is that of {theirs[-1]}, the profile is that of {ours}: write the tables "
-            f"by `pirate firmware {subject.profile.robot} -o firmware/robot.h`, then build and "
-            "flash it",
+            f"the firmware is that of {theirs[-1]}, the profile is that of {ours}: write the "
+            f"tables by `pirate firmware {subject.profile.robot} -o firmware/robot.h`, then build "
+            "and flash it",
         )
 
 
