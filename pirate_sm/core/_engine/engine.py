@@ -197,7 +197,13 @@ class Engine:
         return with_traction(self.robot, spec, sensing, body.values, at, around, at_s).shown
 
     def normal_forces(
-        self, state: EngineState, friction: float, brakes_nm: Sequence[float], *, is_round: bool
+        self,
+        state: EngineState,
+        friction: float,
+        brakes_nm: Sequence[float],
+        *,
+        resists: float,
+        is_round: bool,
     ) -> tuple[tuple[int, ...], tuple[ForceInterval, ...]]:
         """Return the wheels that hold and the intervals of their normal forces.
 
@@ -206,7 +212,9 @@ class Engine:
         # Few runs ask for them; a check never does.
         from pirate_sm.core._engine.held_forces import held_force_intervals  # noqa: PLC0415
 
-        return held_force_intervals(self.robot, state, friction, brakes_nm, is_round=is_round)
+        return held_force_intervals(
+            self.robot, state, friction, brakes_nm, resists=resists, is_round=is_round
+        )
 
     def evidence(self, state: EngineState) -> dict[str, Evidence]:
         """Return what has shown each region's state, each part's clamp and each signal, by name.

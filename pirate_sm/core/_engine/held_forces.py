@@ -32,6 +32,7 @@ def held_force_intervals(
     friction: float,
     brakes_nm: Sequence[float],
     *,
+    resists: float,
     is_round: bool,
 ) -> tuple[tuple[int, ...], tuple[ForceInterval, ...]]:
     """Return the wheels of the parts that hold, and the interval of each and last of their sum.
@@ -45,6 +46,7 @@ def held_force_intervals(
         state: What is known of it.
         friction: Static friction coefficient of its wheels.
         brakes_nm: What each wheel bears at duty 0.
+        resists: Force that resists the rolling of a tyre, over the normal force.
         is_round: Whether the pipe is round; else it is a pair of bars.
 
     Raises:
@@ -75,7 +77,8 @@ def held_force_intervals(
             drive_nm = torque_nm(wheel, numbers, setpoints[wheel.slot])
             along_n = _between(wheel.metres_per_rad, drive_nm, doubt_nm)
             inward = scaled(-1.0, side)
-            touches.append(Touch(at, spec.mounts[at], inward, DRAWING.ahead, along_n, friction))
+            wall = (inward, DRAWING.ahead, along_n, friction, resists)
+            touches.append(Touch(at, spec.mounts[at], *wall))
         else:
             touches += _loose(at, spec.mounts[at], side)
     posture = Posture(

@@ -41,6 +41,8 @@ class Touch(NamedTuple):
         ahead: Unit vector along the wall in which the wheel rolls.
         along_n: Least and greatest force along ``ahead`` that its motor, or its brake, bears.
         friction: Coefficient of friction.
+        resists: Force that resists rolling, over the normal force: by up to so much more or less
+            than its motor bears may be along the wall.
     """
 
     wheel: int
@@ -49,6 +51,7 @@ class Touch(NamedTuple):
     ahead: Vector
     along_n: tuple[float, float]
     friction: float
+    resists: float = 0.0
 
 
 class Posture(NamedTuple):
@@ -108,16 +111,16 @@ def normal_force_intervals(posture: Posture, wheels: Sequence[int]) -> tuple[For
     if not touches:
         return (ForceInterval(nan, nan),) * (len(wheels) + 1)
     rows, loads = _balances(posture)
-    limits = [row for at, each in enumerate(touches) for row in _cone(posture, at, each)]
-    normal, along, aside = (0.0, None), [each.along_n for each in touches], (None, None)
-    bounds = [bound for each in along for bound in (normal, each, aside)[: _columns(posture)]]
+    limits = [each for at, it in enumerate(touches) for each in _limits(posture, at, it)]
+    upper, most_n = zip(*limits, strict=True) if limits else (None, None)
+    bounds = ((0.0, None), (None, None), (None, None))[: _columns(posture)] * len(touches)
 
     def most(sign: float, chosen: Sequence[int]) -> float:
         costs = [0.0] * len(bounds)
         for at, touch in enumerate(touches):
             costs[at * _columns(posture)] = sign * (touch.wheel in chosen)
         for method in _METHODS:
-            found = linprog(costs, limits, [0.0] * len(limits), rows, loads, bounds, method)
+            found = linprog(costs, upper, most_n, rows, loads, bounds, method)
             if found.status != _IN_TROUBLE:
                 break
         if found.status == _UNBOUNDED:
@@ -174,11 +177,18 @@ def _moves(posture: Posture) -> tuple[Vector, ...]:
     return _AXES if posture.in_space else _AXES[:2]
 
 
-def _cone(posture: Posture, at: int, touch: Touch) -> Iterator[list[float]]:
-    """Yield rows that keep the friction of a touch within its cone."""
+def _limits(posture: Posture, at: int, touch: Touch) -> Iterator[tuple[list[float], float]]:
+    """Yield rows, and what each may be at most: the cone of friction, and what the motor bears."""
     columns = _columns(posture)
-    for side in range(SIDES) if posture.in_space else (0, SIDES // 2):
-        angle = 2 * pi * side / SIDES
+    angles = [2 * pi * side / SIDES for side in range(SIDES)]
+    chosen = angles if posture.in_space else (angles[0], angles[SIDES // 2])
+    least_n, greatest_n = touch.along_n
+    for share, along, aside, most_n in (
+        *((touch.friction, cos(angle), sin(angle), 0.0) for angle in chosen),
+        (touch.resists, 1.0, 0.0, greatest_n),
+        (touch.resists, -1.0, 0.0, -least_n),
+    ):
         row = [0.0] * (columns * len(posture.touches))
-        row[columns * at : columns * (at + 1)] = (-touch.friction, cos(angle), sin(angle))[:columns]
-        yield row
+        row[columns * at : columns * (at + 1)] = (-share, along, aside)[:columns]
+        if most_n < inf:
+            yield row, most_n

@@ -1,7 +1,8 @@
 """How hard a clamped robot presses at a moment of a run: by statics, and between which bounds.
 
-The bounds are those of all static states that its signals, the friction of its pipe and the brakes
-of its wheels admit (``docs/decisions/0123-normal-forces-come-with-an-interval.md``).
+The bounds are those of all static states that its signals, the friction of its pipe, the brakes and
+the rolling resistance of its wheels admit
+(``docs/decisions/0123-normal-forces-come-with-an-interval.md``).
 """
 
 from __future__ import annotations
@@ -57,6 +58,7 @@ def clamp_forces(
         state,
         walls.static,
         [motor.hold_torque or 0.0 for motor in motors],
+        resists=profile.simulation.tyre.rolling_resistance,
         is_round=pipe is not None and pipe.section == "round",
     )
     if robot.traction is None or not wheels:

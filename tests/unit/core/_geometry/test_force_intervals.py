@@ -104,6 +104,21 @@ def test_known_drives_leave_what_the_statics_of_the_chain_give(*, in_space: bool
         assert between.greatest_n == pytest.approx(force_n, abs=1e-6)
 
 
+@pytest.mark.parametrize("in_space", [False, True])
+def test_motors_that_drive_on_the_level_bear_what_resists_their_rolling(*, in_space: bool) -> None:
+    resists, drive_n = 0.02, 0.45
+    known = clamped(0.0, in_space=in_space, drives_n=dict.fromkeys(range(6), drive_n))
+    rolls = [touch._replace(resists=resists) for touch in known.touches]
+
+    assert isnan(total(known).least_n)  # something would have to hold the robot
+    found = total(known._replace(touches=rolls))
+    assert 6 * drive_n / resists <= found.least_n + 1e-6
+    # Forces along the wall are what is left of the motors' torques: at most what resists them.
+    most_n = resists * found.greatest_n
+    exact = [sum(by_the_chain({0: way * most_n, 5: -way * most_n}, (0.0, 0.0))) for way in (1, -1)]
+    assert min(exact) - 1e-6 <= found.least_n <= found.greatest_n <= max(exact) + 1e-6
+
+
 def test_every_wheel_lies_between_its_own_bounds_and_adds_to_the_sum() -> None:
     *each, whole = normal_force_intervals(clamped(0.3), range(6))
     assert all(0.0 <= one.least_n < one.greatest_n for one in each)
