@@ -81,7 +81,7 @@ def gather(
         steps: The replayed steps.
         seen: The robot's true positions; None if unknown.
     """
-    run = _Run(loaded, about)
+    run = _Run(loaded, about, reckons=seen is None)
     for again in steps:
         run.take(again)
     return run.report(seen)
@@ -90,7 +90,7 @@ def gather(
 class _Run:
     """Collects the contents while a run is replayed."""
 
-    def __init__(self, loaded: LoadedMission, about: About) -> None:
+    def __init__(self, loaded: LoadedMission, about: About, *, reckons: bool) -> None:
         robot, profile = loaded.robot, loaded.loaded_robot.profile
         self._loaded, self._about = loaded, about
         self._state: EngineState | None = None
@@ -106,7 +106,7 @@ class _Run:
         self._following = ReckonedPath(placing)
         # Dead reckoning stays in the plane of the drawing.
         flat = loaded.pipe is None or bool(drawn_walls(loaded.pipe.route()))
-        self._reckons = flat and not about.nominal
+        self._reckons = reckons and flat and not about.nominal
         self._at_s = 0.0
         self._doubt = ""
         self._ended: fx.Ended | None = None
