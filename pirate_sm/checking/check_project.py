@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import gc
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -60,13 +62,25 @@ def check_paths(
             find(name, Path.cwd())
     found = find_targets(paths)
     project = _Project(wishes, [*wishes.other_findings, *found.findings])
-    with references.kept_inside(wanted=not wishes.outside):
+    with references.kept_inside(wanted=not wishes.outside), _uncollected():
         for number, target in enumerate(found.targets):
             if progress is not None:
                 progress(number, len(found.targets), shown(target.path))
             project.take(target)
         report = project.report()
     return replace(report, where=found.where, nothing=not found.targets)
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Do not look for cycles: explorations are many objects that live on, and hold few of them."""
+    wanted = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if wanted:
+            gc.enable()
 
 
 class _Project:

@@ -146,6 +146,13 @@ class Conditions:
         """Return the same for signals of which some have narrower ranges."""
         return Conditions(self.vocabulary, {**self._spans, **narrower}, self.region_count)
 
+    def copied(self) -> Conditions:
+        """Return the same with the answers so far, to which each of both adds its own."""
+        made = self.within({})
+        made._answers, made._seen, made._tried = {**self._answers}, {**self._seen}, {**self._tried}
+        made.tests = self.tests
+        return made
+
     def ask(self, facts: Iterable[Fact], states: Sequence[str | None]) -> PossibleAnswer:
         """Return whether all facts can be true together with the regions in these states."""
         answers = (self._ask(group, states) for group in self._groups(dict.fromkeys(facts)))

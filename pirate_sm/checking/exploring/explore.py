@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from collections import defaultdict, deque
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from math import inf, isfinite, isnan, nan
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from pirate_sm.checking.exploring.asking_program import Oracle
 from pirate_sm.checking.exploring.conditions import (
@@ -365,17 +365,64 @@ def conditions_of(loaded: LoadedMission) -> Conditions:
     return Conditions(loaded.robot.vocabulary.with_changes, spans, len(loaded.robot.regions))
 
 
-def explore_mission(loaded: LoadedMission, conditions: Conditions) -> list[Explored]:
-    """Explore a mission repeatedly, each time without the steps that can never run.
+class _Shared(NamedTuple):
+    """Explorations of a program, for other missions that differ from it in their pipe alone.
+
+    Attributes:
+        robot: The robot as its profile has it.
+        conditions: The conditions with the answers that they have found.
+    """
+
+    robot: RobotSpec
+    program: Program
+    conditions: Conditions
+    explored: Sequence[Explored]
+
+
+_SHARED: Final = deque[_Shared]()
+"""The latest; all of them are at most ``MOST_SHARED`` of work."""
+
+MOST_SHARED = 2 * MOST_WORK
+
+_OF_A_PIPE = frozenset({"commands", "sight"})
+"""What a pipe changes in a robot: the torque with which its clamps count as closed."""
+
+
+def explore_mission(loaded: LoadedMission) -> tuple[Sequence[Explored], Conditions]:
+    """Explore a mission, or return what was found in a mission that differs in its pipe alone.
+
+    In an exploration sensors show nothing and commands are done by their time, so that neither the
+    pipe's diameters nor the torques of clamps have a part in it. It is done without them.
+
+    Returns:
+        The explorations, see :func:`_explored`, and the conditions with their answers.
+    """
+    usual, robot = loaded.loaded_robot.oriented(loaded.robot.polarity), loaded.robot
+    others = (each.name for each in fields(robot) if each.name not in _OF_A_PIPE)
+    own = any(getattr(robot, name) is not getattr(usual, name) for name in others)
+    usual = robot if own else usual
+    program = replace(loaded.program, diameter_m=None, bores_m=())
+    for known in tuple(_SHARED):
+        if known.robot is usual and known.program == program:
+            return known.explored, known.conditions.copied()
+    conditions = conditions_of(loaded)
+    explored = _explored(replace(usual), program, conditions)
+    _SHARED.append(_Shared(usual, program, conditions.copied(), explored))
+    while sum(book.found.work for each in tuple(_SHARED) for book in each.explored) > MOST_SHARED:
+        _SHARED.popleft()
+    return explored, conditions
+
+
+def _explored(robot: RobotSpec, program: Program, conditions: Conditions) -> list[Explored]:
+    """Explore a program repeatedly, each time without the steps that can never run.
 
     After a certain refusal the check continues without the step, to find later faults as well. All
     explorations together are limited to the work of one.
     """
-    program = loaded.program
     explored: list[Explored] = []
     left: float = MOST_WORK
     for _ in range(MOST_ASSUMPTIONS):
-        book = index_exploration(explore(loaded.robot, program, conditions, most_work=left))
+        book = index_exploration(explore(robot, program, conditions, most_work=left))
         left -= book.found.work
         known = {place for earlier in explored for place in earlier.visits}
         explored.append(book)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pirate_sm.checking.exploring.exploration import Explored
-from pirate_sm.checking.exploring.explore import conditions_of, explore_corrected, explore_mission
+from pirate_sm.checking.exploring.explore import explore_corrected, explore_mission
 from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.mission.mission_parameters import parameter_limits, unused_parameters
 from pirate_sm.checking.mission.mission_view import MissionPlaces, MissionView
@@ -79,8 +79,7 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
         loaded: The mission.
         told: Findings of the loader.
     """
-    conditions = conditions_of(loaded)
-    explored = explore_mission(loaded, conditions)
+    explored, conditions = explore_mission(loaded)
     in_pipe = view_in_pipe(loaded)
     view = MissionView(loaded, MissionPlaces(loaded), conditions, explored, explored, in_pipe)
     found = _judge(view)
