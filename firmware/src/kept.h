@@ -17,8 +17,9 @@ class Kept {
     sum_ = sum();
   }
 
-  // The main loop hangs.
+  // The main loop hangs; it has come round after all.
   void mark_hang() { mark_ = HUNG; }
+  void clear_mark() { mark_ = 0; }
 
   // Copies the array that was in force, and returns true, if the controller restarted out of a
   // hang and the array is as it was written; `certain`: it is known otherwise that it did. Says so

@@ -157,6 +157,7 @@ int main() {
     start_sending();
     wdt_reset();
     ms_in_loop = 0;
+    kept.clear_mark();
     sleep_mode();
   }
 }

@@ -120,6 +120,16 @@ TEST(what_was_in_force_is_recalled_after_a_hang_only_and_once) {
   CHECK(!kept.recall(found, true));
 }
 
+TEST(a_loop_that_came_round_late_did_not_hang) {
+  Kept kept;
+  memset(static_cast<void*>(&kept), 0, sizeof kept);
+  Array found = {};
+  kept.keep(read_of(array_payload(7, 50)));
+  kept.mark_hang();
+  kept.clear_mark();
+  CHECK(!kept.recall(found, false));
+}
+
 TEST(memory_that_was_damaged_is_not_recalled) {
   for (size_t at = 0; at < sizeof(Array); at++) {
     Kept kept;
