@@ -5,13 +5,12 @@
 
 namespace robot {
 
-constexpr char TABLES[] = "0beb3357";  // CRC-32 of what follows, without comments
-constexpr char NAME_AND_TABLES[] = "robot pirate_ii, tables 0beb3357";
+constexpr char TABLES[] = "375106fc";  // CRC-32 of what follows, without comments
+constexpr char NAME_AND_TABLES[] = "robot pirate_ii, tables 375106fc";
 
 // The line, and times
 constexpr uint32_t BAUD = 57600;
 constexpr uint16_t STOP_AFTER_MS = 500;
-constexpr uint16_t ECHO_WITHIN_MS = 50;
 constexpr uint32_t CYCLE_US = 16000;
 
 // Topics and their definitions

@@ -8,7 +8,7 @@ using namespace robot;
 
 Array Array::at_rest() {
   Array rest = {};
-  rest.hold = OWN_CONTROLLER;
+  rest.hold = HELD_WITHOUT_MASK;
   return rest;
 }
 
@@ -30,9 +30,14 @@ bool Array::read(const uint8_t* payload, uint8_t length, Array& into) {
   return true;
 }
 
+uint32_t Array::held() const {
+  const bool is_mask = (hold & OWN_CONTROLLER) == OWN_CONTROLLER;
+  return is_mask ? hold : HELD_WITHOUT_MASK | OWN_CONTROLLER;
+}
+
 void Array::stop() {
   for (uint8_t slot = 0; slot < SLOTS; slot++) {
-    if ((hold >> slot & 1) == 0) values[slot] = 0;
+    if ((held() >> slot & 1) == 0) values[slot] = 0;
   }
 }
 

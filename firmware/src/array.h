@@ -10,7 +10,7 @@
 
 struct Array {
   uint32_t id;                    // as on the wire, with the mask if it is in there
-  uint32_t hold;                  // one bit per slot: the dead man's switch keeps it
+  uint32_t hold;                  // the mask as it came; `held()` is what it means
   int16_t values[robot::SLOTS];   // in counts of the wire
 
   // The array in force before the first one came: every motor at rest, and the slots whose boards
@@ -21,7 +21,12 @@ struct Array {
   // array, as many values as there are slots, and each within the limits of its slot.
   static bool read(const uint8_t* payload, uint8_t length, Array& into);
 
-  // Sets every slot to 0 that is not to be held. *Never all of them*: a clamp that lets go drops
+  // The slots that the dead man's switch keeps, one bit each. A mask without the slots that have a
+  // controller of their own is none, because a host always sets these: everything is held then but
+  // what must stop.
+  uint32_t held() const;
+
+  // Sets every slot to 0 that is not held. *Never all of them*: a clamp that lets go drops
   // the robot.
   void stop();
 

@@ -18,17 +18,18 @@ class Bay {
   Bay(FromHost& in, ToHost& out, Boards& boards, Kept& kept)
       : node_(in, out), cycle_(boards, node_), kept_(kept), in_force_(Array::at_rest()) {}
 
-  // Sets up, once. After a hang the held slots are as they were and all others at zero; otherwise
-  // every motor is set to rest.
-  void start(bool restarted_by_watchdog);
+  // Sets up, once, after a restart with these flags. By hand, every motor is set to rest. After a
+  // hang the held slots are as they were and all others at zero. If nobody knows why, held slots are
+  // left alone, because a clamp that lets go drops the robot, and all others are at zero.
+  void start(uint8_t reset_flags);
 
   // To be called at least every millisecond. It never waits.
   void step(Ticks now);
 
  private:
   void take_array(Ticks now);
-  void put_in_force(Ticks now);
-  void say(Ticks now);
+  void put_in_force();
+  void say();
   void greet();
 
   Node node_;
@@ -36,9 +37,8 @@ class Bay {
   Switch switch_;
   Kept& kept_;
   Array in_force_;
-  bool restored_ = false;
+  Restart restart_ = BY_HAND;
   bool to_echo_ = false;   // whether what is in force must still be echoed
-  Ticks since_ = 0;        // since when it is in force
   bool refused_ = false;   // whether an array was refused, which the host is still to be told
   uint8_t greeted_ = 0;    // how many lines of greeting the host has been sent
 };

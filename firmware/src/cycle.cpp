@@ -7,10 +7,10 @@ namespace {
 
 constexpr Ticks CASE = microseconds(robot::CYCLE_US) / 4;
 
-// A board that has not answered so often in a row is not waited for [assumed], and so often, it is
-// reported: at one reading in 0.1 s after a second.
+// A board that has not answered so often in a row is not waited for [assumed], and one that has not
+// answered or not obeyed so often is reported: at one reading in 0.1 s after a second.
 constexpr uint8_t MOST_TRIES = 3;
-constexpr uint8_t SILENT = 8;
+constexpr uint8_t TOLD_AFTER = 8;
 
 }  // namespace
 
@@ -53,6 +53,11 @@ void Cycle::take_outcome(Ticks now) {
   if (outcome == Boards::ANSWERED) {
     board.missed = 0;
     board.to_write = !has_in_force(asked_);
+    if (!board.to_write) {
+      board.refused = 0;
+    } else if (writing_ && board.refused < 255) {
+      board.refused++;
+    }
     to_publish_ = !writing_;
   } else if (outcome == Boards::FAILED && board.missed < 255) {
     board.missed++;
@@ -123,18 +128,22 @@ bool Cycle::has_in_force(uint8_t board) const {
 
 // --- what the host is told of them ---------------------------------------------------------------
 
+// Between well and ill a board is what it was.
+Cycle::Health Cycle::health_of(const State& board) {
+  if (board.missed >= TOLD_AFTER) return SILENT;
+  if (board.refused >= TOLD_AFTER) return DISOBEYS;
+  return board.missed == 0 && board.refused == 0 ? WELL : board.told;
+}
+
 bool Cycle::has_news(News& news) const {
   for (uint8_t board = 0; board < BOARD_COUNT; board++) {
     const State& state = states_[board];
-    const bool silent = state.missed >= SILENT, answers = state.missed == 0;
-    if (state.told_silent ? answers : silent) {
-      news = {board, answers};
-      return true;
-    }
+    news = {board, state.told, health_of(state)};
+    if (news.is != news.was) return true;
   }
   return false;
 }
 
 void Cycle::told_nothing() {
-  for (State& state : states_) state.told_silent = false;
+  for (State& state : states_) state.told = WELL;
 }

@@ -23,16 +23,19 @@ class Cycle {
 
   void step(Ticks now);
 
-  // Whether every board that answers at all has said that it has what is in force.
+  // Whether every board that answers at all has said that it has what is in force. One that answers
+  // and has something else is waited for, however long that takes.
   bool settled() const;
 
-  // What the host has not been told yet of a board: that it does not answer, or answers again.
+  enum Health : uint8_t { WELL, SILENT, DISOBEYS };
+
+  // What the host has not been told yet of a board.
   struct News {
     uint8_t board;
-    bool answers;
+    Health was, is;
   };
   bool has_news(News& news) const;
-  void told(const News& news) { states_[news.board].told_silent = !news.answers; }
+  void told(const News& news) { states_[news.board].told = news.is; }
 
   // Another host listens, which has been told nothing.
   void told_nothing();
@@ -51,8 +54,10 @@ class Cycle {
   struct State {
     bool to_write = false;   // whether it must be told what is in force
     uint8_t missed = 0;      // how many exchanges in a row have failed, at most 255
-    bool told_silent = false;
+    uint8_t refused = 0;     // after how many writes in a row it had something else, at most 255
+    Health told = WELL;
   };
+  static Health health_of(const State& board);
 
   Boards& boards_;
   Node& node_;

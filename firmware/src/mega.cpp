@@ -30,6 +30,9 @@ Bay bay(from_host, to_host, boards, kept);
 
 // --- why it restarted ----------------------------------------------------------------------------
 
+static_assert(POWER_ON == _BV(PORF) && EXTERNAL == _BV(EXTRF) && WATCHDOG == _BV(WDRF),
+              "the controller has other flags");
+
 // Runs before anything else. After a restart by the watchdog the watchdog still runs, at its
 // shortest time [data sheet, 12.4].
 extern "C" void find_out_why() __attribute__((naked, used, section(".init3")));
@@ -43,12 +46,7 @@ extern "C" void find_out_why() {
 
 constexpr uint16_t TICKS_PER_MS = milliseconds(1);
 
-// A main loop that has not come round for so long hangs [assumed]; it takes less than 1 ms. The
-// watchdog restarts the controller at 250 ms.
-constexpr uint8_t HANGS_AFTER_MS = 100;
-
 volatile uint16_t overflows = 0;
-volatile uint8_t ms_in_loop = 0;
 
 void start_clock() {
   TCCR1A = 0;
@@ -72,11 +70,7 @@ ISR(TIMER1_OVF_vect) { overflows++; }
 // Wakes the loop every millisecond, and notices when it does not come round.
 ISR(TIMER1_COMPA_vect) {
   OCR1A += TICKS_PER_MS;
-  if (ms_in_loop < HANGS_AFTER_MS) {
-    ms_in_loop++;
-  } else {
-    kept.mark_hang();
-  }
+  kept.pass_millisecond();
 }
 
 // --- ports ---------------------------------------------------------------------------------------
@@ -146,7 +140,7 @@ ISR(USART1_TX_vect) {
 }  // namespace
 
 int main() {
-  bay.start(reset_flags & _BV(WDRF));
+  bay.start(reset_flags);
   start_clock();
   start_ports();
   set_sleep_mode(SLEEP_MODE_IDLE);
@@ -156,8 +150,7 @@ int main() {
     bay.step(ticks());
     start_sending();
     wdt_reset();
-    ms_in_loop = 0;
-    kept.clear_mark();
+    kept.come_round();
     sleep_mode();
   }
 }

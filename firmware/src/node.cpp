@@ -37,8 +37,19 @@ constexpr Topic INTRODUCED[] = {
     {SUBSCRIBER, SETPOINTS, robot::ARRAY_TOPIC, robot::ARRAY_TYPE, robot::ARRAY_MD5},
 };
 
+// The payload of an introduction: numbers, and three texts with their lengths.
+template <size_t NAME, size_t TYPE, size_t MD5>
+constexpr size_t bytes_of(const char (&)[NAME], const char (&)[TYPE], const char (&)[MD5]) {
+  return 2 + (4 + NAME - 1) + (4 + TYPE - 1) + (4 + MD5 - 1) + 4;
+}
+constexpr size_t MOST_BYTES = ToHost::ROOM - FRAME_BYTES;
+
+static_assert(bytes_of(robot::STATE_TOPIC, robot::STATE_TYPE, robot::STATE_MD5) <= MOST_BYTES &&
+                  bytes_of(robot::ECHO_TOPIC, robot::ECHO_TYPE, robot::ECHO_MD5) <= MOST_BYTES &&
+                  bytes_of(robot::ARRAY_TOPIC, robot::ARRAY_TYPE, robot::ARRAY_MD5) <= MOST_BYTES,
+              "the name of a topic or of its type is too long");
 static_assert(robot::ARRAY_BYTES <= LONGEST_PAYLOAD, "an array of setpoints is too long");
-static_assert(robot::STATE_BYTES <= ToHost::ROOM - FRAME_BYTES, "a state message is too long");
+static_assert(robot::STATE_BYTES <= MOST_BYTES, "a state message is too long");
 
 // A number of counts in the type that the state message has for it.
 uint32_t bits_of_state(int32_t value) {
@@ -69,7 +80,7 @@ bool Node::hears(Ticks now) {
 void Node::obey(Ticks now) {
   switch (reader_.topic()) {
     case REQUEST_TOPICS:
-      configured_ = true;
+      configured_ = asked_for_topics_ = true;
       introduced_ = 0;
       answered_ = now;
       break;

@@ -22,6 +22,13 @@ class Node {
   const uint8_t* payload() const { return reader_.payload(); }
   uint8_t length() const { return reader_.length(); }
 
+  // Whether a host has asked for the topics since the last call. It has been told nothing yet.
+  bool was_asked() {
+    const bool was = asked_for_topics_;
+    asked_for_topics_ = false;
+    return was;
+  }
+
   // Sends what is due: introductions, requests for the time.
   void speak(Ticks now);
 
@@ -44,6 +51,7 @@ class Node {
   Writer writer_;
   Reader reader_;
   bool configured_ = false;
+  bool asked_for_topics_ = false;
   uint8_t introduced_ = 0;
   Ticks asked_ = 0;
   Ticks answered_ = 0;

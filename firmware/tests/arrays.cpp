@@ -78,14 +78,27 @@ TEST(an_echo_is_what_was_read) {
 
 TEST(stopping_leaves_what_is_held) {
   for (uint8_t slot = 0; slot < SLOTS; slot++) {
-    const uint32_t mask = 1UL << slot;
+    const uint32_t mask = 1UL << slot | OWN_CONTROLLER;
     Array array = read_of(array_payload(mask << ARRAY_HOLD_SHIFT | 3, 100));
-    CHECK(array.hold == mask);
+    CHECK(array.held() == mask);
     array.stop();
     for (uint8_t other = 0; other < SLOTS; other++) {
-      CHECK(array.values[other] == (other == slot ? 100 : 0));
+      CHECK(array.values[other] == (mask >> other & 1 ? 100 : 0));
     }
     CHECK(array.id == (mask << ARRAY_HOLD_SHIFT | 3));
+  }
+}
+
+TEST(a_mask_without_slots_that_are_always_held_is_none_and_everything_that_may_be_is_held) {
+  for (const uint32_t mask : {0UL, ~(0xFFFFFFFFUL << SLOTS) & ~OWN_CONTROLLER}) {
+    Array array = read_of(array_payload(static_cast<uint32_t>(mask << ARRAY_HOLD_SHIFT | 3), 100));
+    array.stop();
+    for (uint8_t slot = 0; slot < SLOTS; slot++) {
+      CHECK(array.values[slot] == (HELD_WITHOUT_MASK >> slot & 1 ? 100 : 0));
+    }
+    Bytes echo(ARRAY_BYTES);
+    array.write(echo.data());
+    CHECK(read_of(echo).hold == mask);  // it is echoed as it came
   }
 }
 
@@ -107,37 +120,72 @@ TEST(the_switch_trips_in_time_where_the_clock_wraps) {
   CHECK(it.trips(milliseconds(STOP_AFTER_MS)));
 }
 
+namespace {
+
+// What is in memory after power-on: anything.
+void fill(Kept& kept) { memset(static_cast<void*>(&kept), 0x5A, sizeof kept); }
+
+void pass(Kept& kept, int ms) {
+  while (ms-- > 0) kept.pass_millisecond();
+}
+
+}  // namespace
+
 TEST(what_was_in_force_is_recalled_after_a_hang_only_and_once) {
   Kept kept;
-  memset(static_cast<void*>(&kept), 0x5A, sizeof kept);
+  fill(kept);
   Array array = read_of(array_payload(7, 50)), found = {};
-  CHECK(!kept.recall(found, true));  // power-on: memory holds anything
+  CHECK(kept.recall(found, POWER_ON) == BY_HAND);
+  CHECK(kept.recall(found, WATCHDOG) == UNKNOWN && found.id == 0);  // nothing is kept
   kept.keep(array);
-  CHECK(!kept.recall(found, false));  // a reset by the host's port
+  CHECK(kept.recall(found, EXTERNAL) == BY_HAND && found.id == 0);
   kept.keep(array);
-  kept.mark_hang();
-  CHECK(kept.recall(found, false) && found.id == 7 && found.values[0] == 50);
-  CHECK(!kept.recall(found, true));
+  pass(kept, 200);
+  CHECK(kept.recall(found, 0) == HUNG && found.id == 7 && found.values[0] == 50);
+  kept.keep(array);
+  CHECK(kept.recall(found, WATCHDOG) == HUNG);
+  CHECK(kept.recall(found, WATCHDOG) == UNKNOWN);
+}
+
+TEST(where_flags_are_lost_a_restart_without_a_mark_is_unknown_and_what_was_held_is) {
+  Kept kept;
+  fill(kept);
+  Array found = {};
+  kept.keep(read_of(array_payload(7, 50)));
+  CHECK(kept.recall(found, 0) == UNKNOWN && found.id == 7);
+}
+
+TEST(a_reset_by_the_port_or_power_on_is_by_hand_whatever_else_happened) {
+  for (const uint8_t flags : {POWER_ON | WATCHDOG, EXTERNAL | WATCHDOG, POWER_ON | EXTERNAL | 4}) {
+    Kept kept;
+    fill(kept);
+    Array found = {};
+    kept.keep(read_of(array_payload(7, 50)));
+    pass(kept, 200);
+    CHECK(kept.recall(found, static_cast<uint8_t>(flags)) == BY_HAND && found.id == 0);
+  }
 }
 
 TEST(a_loop_that_came_round_late_did_not_hang) {
   Kept kept;
-  memset(static_cast<void*>(&kept), 0, sizeof kept);
+  fill(kept);
   Array found = {};
+  kept.recall(found, POWER_ON);
   kept.keep(read_of(array_payload(7, 50)));
-  kept.mark_hang();
-  kept.clear_mark();
-  CHECK(!kept.recall(found, false));
+  pass(kept, 200);
+  kept.come_round();
+  pass(kept, 50);
+  CHECK(kept.recall(found, 0) == UNKNOWN);
 }
 
 TEST(memory_that_was_damaged_is_not_recalled) {
   for (size_t at = 0; at < sizeof(Array); at++) {
     Kept kept;
-    memset(static_cast<void*>(&kept), 0, sizeof kept);
+    fill(kept);
     kept.keep(read_of(array_payload(7, 50)));
-    kept.mark_hang();
+    pass(kept, 200);
     reinterpret_cast<uint8_t*>(&kept)[at] ^= 0x10;
     Array found = {};
-    CHECK(!kept.recall(found, true));
+    CHECK(kept.recall(found, WATCHDOG) == UNKNOWN && found.id == 0);
   }
 }

@@ -33,6 +33,12 @@ void introduce(Desk& desk) {
   desk.heard();
 }
 
+int count(const std::string& text, const std::string& what) {
+  int found = 0;
+  for (size_t at = 0; (at = text.find(what, at)) != std::string::npos; at++) found++;
+  return found;
+}
+
 bool all(const Desk& desk, int16_t value) {
   for (uint8_t board = 0; board < BOARD_COUNT; board++) {
     for (uint8_t slot = 0; slot < BOARDS[board].slots; slot++) {
@@ -125,7 +131,7 @@ TEST(an_array_that_is_refused_changes_nothing_and_is_told) {
 TEST(silence_of_the_host_stops_what_is_not_held_and_says_so_again) {
   Desk desk;
   introduce(desk);
-  const uint32_t hold = 1UL << BOARDS[0].first_slot;
+  const uint32_t hold = 1UL << BOARDS[0].first_slot | OWN_CONTROLLER;
   desk.send(Frame{SETPOINTS, array_payload(hold << ARRAY_HOLD_SHIFT | 9, 500)});
   desk.run(STOP_AFTER_MS - 20);
   desk.heard();
@@ -133,7 +139,10 @@ TEST(silence_of_the_host_stops_what_is_not_held_and_says_so_again) {
   desk.run(20 + 2 * CYCLE_US / 1000 + 2);
   CHECK(desk.boards[0].values[0] == 500 && desk.boards[0].values[1] == 0);
   for (uint8_t board = 1; board < BOARD_COUNT; board++) {
-    for (uint8_t slot = 0; slot < BOARDS[board].slots; slot++) CHECK(desk.boards[board].values[slot] == 0);
+    for (uint8_t slot = 0; slot < BOARDS[board].slots; slot++) {
+      const bool own = OWN_CONTROLLER >> (BOARDS[board].first_slot + slot) & 1;
+      CHECK(desk.boards[board].values[slot] == (own ? 500 : 0));
+    }
   }
   desk.run(2 * STOP_AFTER_MS + 20);
   const std::vector<Frame> echoes = on(ECHO, desk.heard());
@@ -141,7 +150,7 @@ TEST(silence_of_the_host_stops_what_is_not_held_and_says_so_again) {
   CHECK(echoes[0].payload[0] == 9 && echoes[0].payload == echoes[2].payload);
 }
 
-TEST(a_write_that_a_board_did_not_obey_is_repeated_until_it_does) {
+TEST(a_write_that_a_board_did_not_obey_is_repeated_until_it_does_and_not_echoed_before) {
   Desk desk;
   introduce(desk);
   desk.boards[1].obeys = false;
@@ -149,10 +158,42 @@ TEST(a_write_that_a_board_did_not_obey_is_repeated_until_it_does) {
   desk.run(200);
   CHECK(!all(desk, 10));
   CHECK(desk.boards[1].written > 8);
-  CHECK(on(ECHO, desk.heard()).size() == 1);  // it is in force here
+  std::vector<Frame> frames = desk.heard();
+  CHECK(on(ECHO, frames).empty());
+  CHECK(count(words(frames), "not obeyed by board " + std::to_string(BOARDS[1].id)) == 1);
   desk.boards[1].obeys = true;
-  desk.run(2 * CYCLE_US / 1000);
+  desk.run(100);
+  frames = desk.heard();
   CHECK(all(desk, 10));
+  CHECK(on(ECHO, frames).size() == 1);
+  CHECK(count(words(frames), "obeys again: board " + std::to_string(BOARDS[1].id)) == 1);
+}
+
+TEST(a_board_that_does_not_obey_leaves_a_stream_without_echoes_and_is_told_once) {
+  Desk desk;
+  introduce(desk);
+  desk.boards[1].obeys = false;
+  for (uint32_t id = 1; id < 60; id++) {
+    desk.send(Frame{SETPOINTS, array_payload(id, static_cast<int16_t>(id))});
+    desk.run(50);
+    CHECK(desk.boards[0].values[0] == static_cast<int16_t>(id));
+  }
+  const std::vector<Frame> frames = desk.heard();
+  CHECK(on(ECHO, frames).empty());
+  CHECK(count(words(frames), "not obeyed") == 1);
+}
+
+TEST(a_wheel_that_does_not_stop_is_not_echoed_as_standing) {
+  Desk desk;
+  introduce(desk);
+  desk.send(Frame{SETPOINTS, array_payload(OWN_CONTROLLER << ARRAY_HOLD_SHIFT | 9, 500)});
+  desk.run(200);
+  CHECK(on(ECHO, desk.heard()).size() == 1);
+  desk.boards[0].obeys = false;
+  desk.run(1500);
+  const std::vector<Frame> frames = desk.heard();
+  CHECK(on(ECHO, frames).empty());
+  CHECK(count(words(frames), "not obeyed by board " + std::to_string(BOARDS[0].id)) == 1);
 }
 
 TEST(a_board_that_forgets_its_setpoints_is_told_again) {
@@ -187,6 +228,28 @@ TEST(a_dead_board_holds_up_no_other_and_is_told_once) {
   const std::string said = words(desk.heard());
   CHECK(said.find("answers again: board " + std::to_string(BOARDS[0].id)) != std::string::npos);
   CHECK(desk.boards[0].values[0] == 129);
+}
+
+TEST(boards_that_were_dead_when_the_host_came_are_told_each_to_each_host) {
+  Desk desk;
+  for (PlayedBoard& board : desk.boards) board.answers = false;
+  desk.run(3000);
+  for (int host = 0; host < 3; host++) {
+    desk.ask_for_topics();
+    desk.run(1000);
+    const std::string said = words(desk.heard());
+    CHECK(count(said, NAME_AND_TABLES) == 1);
+    CHECK(count(said, "no answer from board") == BOARD_COUNT);
+  }
+}
+
+TEST(a_second_host_hears_the_version_however_soon_it_comes) {
+  Desk desk;
+  for (int host = 0; host < 3; host++) {
+    desk.ask_for_topics();
+    desk.run(300);
+    CHECK(count(words(desk.heard()), NAME_AND_TABLES) == 1);
+  }
 }
 
 TEST(nothing_is_published_for_a_board_that_does_not_answer) {
@@ -240,12 +303,12 @@ TEST(other_topics_and_long_payloads_change_nothing) {
 TEST(after_a_hang_held_slots_are_as_they_were_and_others_at_zero) {
   Desk before;
   introduce(before);
-  const uint32_t hold = 1UL << BOARDS[0].first_slot;
+  const uint32_t hold = 1UL << BOARDS[0].first_slot | OWN_CONTROLLER;
   before.send(Frame{SETPOINTS, array_payload(hold << ARRAY_HOLD_SHIFT | 9, 500)});
   before.run(100);
-  before.kept.mark_hang();
+  for (int ms = 0; ms < 200; ms++) before.kept.pass_millisecond();
 
-  Desk after(false, &before.kept);
+  Desk after(0, &before.kept);
   after.run(50);
   CHECK(after.boards[0].values[0] == 500 && after.boards[0].values[1] == 0);
   CHECK(after.boards[1].values[0] == 0 && after.boards[1].values[1] == 0);
@@ -253,7 +316,40 @@ TEST(after_a_hang_held_slots_are_as_they_were_and_others_at_zero) {
   after.run(400);
   CHECK(words(after.heard()).find("watchdog") != std::string::npos);
 
-  Desk again(false, &before.kept);  // a reset by the host's port
+  Desk again(EXTERNAL, &before.kept);
   again.run(50);
   CHECK(again.boards[0].values[0] == 0);
+}
+
+TEST(after_a_restart_of_which_it_is_not_known_why_held_slots_are_left_alone) {
+  Desk before;
+  introduce(before);
+  const uint32_t hold = 1UL << BOARDS[0].first_slot | OWN_CONTROLLER;
+  before.send(Frame{SETPOINTS, array_payload(hold << ARRAY_HOLD_SHIFT | 9, 500)});
+  before.run(100);
+
+  Desk after(0, &before.kept);  // its boards have 77, which nobody has put there
+  after.ask_for_topics();
+  after.run(300);
+  for (uint8_t board = 0; board < BOARD_COUNT; board++) {
+    for (uint8_t slot = 0; slot < BOARDS[board].slots; slot++) {
+      const bool held = hold >> (BOARDS[board].first_slot + slot) & 1;
+      CHECK(after.boards[board].values[slot] == (held ? 77 : 0));
+    }
+  }
+  CHECK(count(words(after.heard()), "held slots were left alone") == 1);
+  after.send(Frame{SETPOINTS, array_payload(1, 10)});
+  after.run(100);
+  CHECK(all(after, 10));
+}
+
+TEST(and_where_memory_has_nothing_all_that_may_be_held) {
+  Desk after(0);
+  after.run(100);
+  for (uint8_t board = 0; board < BOARD_COUNT; board++) {
+    for (uint8_t slot = 0; slot < BOARDS[board].slots; slot++) {
+      const bool held = HELD_WITHOUT_MASK >> (BOARDS[board].first_slot + slot) & 1;
+      CHECK(after.boards[board].values[slot] == (held ? 77 : 0));
+    }
+  }
 }

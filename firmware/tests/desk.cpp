@@ -49,7 +49,7 @@ Bytes array_payload(uint32_t id, int16_t value) {
   return payload;
 }
 
-Desk::Desk(bool after_watchdog, Kept* kept)
+Desk::Desk(uint8_t reset_flags, Kept* kept)
     : kept(kept != nullptr ? *kept : own_kept_),
       rs485_(port_),
       bay_(from_host_, to_host_, rs485_, this->kept) {
@@ -59,7 +59,7 @@ Desk::Desk(bool after_watchdog, Kept* kept)
     board.answers = board.obeys = true;
     for (int16_t& value : board.values) value = 77;  // what they were left with
   }
-  bay_.start(after_watchdog);
+  bay_.start(reset_flags);
 }
 
 void Desk::send(const Bytes& bytes) {

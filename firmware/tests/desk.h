@@ -32,7 +32,7 @@ struct PlayedBoard {
 
 class Desk {
  public:
-  explicit Desk(bool after_watchdog = false, Kept* kept = nullptr);
+  explicit Desk(uint8_t reset_flags = POWER_ON, Kept* kept = nullptr);
 
   void send(const Bytes& bytes);
   void send(const Frame& frame) { send(frame.bytes()); }

@@ -104,7 +104,6 @@ def _times(profile: Profile, plan: LinkPlan) -> Constants:
         )
     yield "uint32_t BAUD", plan.serial.baud
     yield "uint16_t STOP_AFTER_MS", round(stop_after * 1e3)
-    yield "uint16_t ECHO_WITHIN_MS", round(profile.link.echo_delay * 1e3)
     yield "uint32_t CYCLE_US", round(profile.link.cycle * 1e6)
 
 
