@@ -174,7 +174,7 @@ class Firmware:
         self._stop_s = now_s + self._stop_after_s
         if self._in_force is None:
             return
-        self._in_force = array = self._in_force.tripped
+        self._in_force = array = self._wire.tripped(self._in_force)
         self._robot.set_values(self._wire.values(array))
         self._log(Record(now_s, "tripped", array.number, array.counts))
         self._send_echo(now_s, array)

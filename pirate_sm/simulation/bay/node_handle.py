@@ -260,7 +260,8 @@ class Wire:
             link.angle_resolution if slot.unit == "angle" else link.duty_resolution
             for slot in slots
         )
-        # The mask built into a firmware whose messages have no field for it.
+        self._own = sum(1 << at for at, slot in enumerate(slots) if slot.unit == "angle")
+        # The mask built into a firmware, for messages without one.
         zero = set(profile.safe_state.zero)
         self._kept = sum(1 << at for at, slot in enumerate(slots) if slot.name not in zero)
         self._messages = messages = link_messages(texts, serial, len(slots))
@@ -306,6 +307,15 @@ class Wire:
         """Return the frame that echoes this array."""
         payload = self._messages.echo.pack(array.number, array.counts, array.hold or 0)
         return SerialFrame(self.publishers[1].number, payload)
+
+    def tripped(self, array: Array) -> Array:
+        """Return the array after a trip of the dead man's switch.
+
+        A mask without the slots that have a controller of their own is none: a host sets these.
+        """
+        hold = array.hold or 0
+        held = hold if hold & self._own == self._own else self._kept | self._own
+        return array._replace(counts=array._replace(hold=held).tripped.counts)
 
     def array(self, buffer: bytes) -> Array | None:
         """Return the array at the beginning of a receive buffer; None if there is none."""

@@ -12,8 +12,8 @@ from pirate_sm.simulation.bay.virtual import VirtualBay
 
 from .conftest import ECHO, SETPOINTS, SLOTS, Host, MakeBay, array, read_array
 
-CLAMP, LOOP, WHEEL = 4, 6, 5
-"""Slots: a bend joint that holds, one that a position loop turns, a wheel."""
+CLAMP, LOOP, WHEEL, ANGLE = 4, 6, 5, 10
+"""Slots: a bend joint that holds, one that a position loop turns, a wheel, one with a controller."""
 
 COUNTS = tuple({CLAMP: -700, LOOP: 300, WHEEL: 1000}.get(slot, 0) for slot in range(SLOTS))
 STOPPED = tuple({CLAMP: -700}.get(slot, 0) for slot in range(SLOTS))
@@ -22,7 +22,7 @@ STOP_AFTER_S, CYCLE_S = 0.5, 0.016
 
 
 def held(number: int, *slots: int) -> int:
-    return sum(1 << slot for slot in slots) << ID_BITS | number
+    return sum(1 << slot for slot in (*slots, ANGLE)) << ID_BITS | number
 
 
 @pytest.fixture
@@ -41,6 +41,18 @@ def test_it_stops_what_is_not_held_half_a_second_after_the_last_array(host: Host
     assert (tripped.setpoint_id, tripped.counts) == (1, STOPPED)
     assert tripped.at_s - applied.at_s == pytest.approx(STOP_AFTER_S, abs=2 * CYCLE_S)
     assert [duty for duty in host.bay.duties if duty] == pytest.approx([-0.7])
+
+
+def test_a_mask_without_the_slots_that_are_always_held_is_none_and_only_wheels_stop(
+    host: Host,
+) -> None:
+    host.send(SETPOINTS, array(1, *COUNTS))
+    host.listen(1.0)
+
+    [tripped, *_] = host.events("tripped")
+    assert tripped.counts == tuple(0 if slot == WHEEL else at for slot, at in enumerate(COUNTS))
+    number, counts = read_array([each for each in host.heard if each.topic == ECHO][-1].payload)
+    assert (number, counts) == (1, tripped.counts), "the mask is echoed as it came"
 
 
 def test_any_valid_array_keeps_it_from_tripping_also_the_same_one(host: Host) -> None:
@@ -111,7 +123,7 @@ def test_a_mask_in_a_field_of_its_own_and_none_at_all(
     bay = VirtualBay(profile.model_copy(update={"serial": serial}), pipe, own, Switches(), 1)
     host = Host(bay)
     host.connect()
-    mask = struct.pack("<I", 1 << CLAMP) if field else b""
+    mask = struct.pack("<I", 1 << CLAMP | 1 << ANGLE) if field else b""
     host.send(SETPOINTS, array(1, *COUNTS) + mask)
     host.listen(1.0)
 
