@@ -78,9 +78,10 @@ test-thorough: $(VENV)/.ready-dev
 	PYTHONDONTWRITEBYTECODE= HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -n auto --maxprocesses 4 \
 	    --dist worksteal -m "(thorough or hypothesis) and not slow and not browser and not firmware"
 
-# It needs g++; what is flashed is built and run where avr-g++ and simavr are.
+# It needs g++; what is flashed is built and run where avr-g++ and simavr are. `make test-thorough` has its
+# parts and the build too.
 test-firmware: $(VENV)/.ready-dev
-	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal -m firmware tests/firmware
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal -m "firmware or thorough" tests/firmware
 
 test-browser: $(VENV)/.ready-browser
 	$(BIN)/python -m pytest -m browser tests/browser

@@ -1,6 +1,7 @@
 // Tests in plain C++: each is a function that registers itself.
 #pragma once
 
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -10,6 +11,7 @@ struct Test {
   void (*body)();
   Test* next;
   static Test* first;
+  static uint32_t damaged_frames;  // how many are tried
 };
 
 #define TEST(name)                    \

@@ -11,8 +11,12 @@ import pytest
 FIRMWARE = Path(__file__).parents[2] / "firmware"
 
 
-def made(target: str, build: Path, robot: Path = FIRMWARE / "robot.h") -> str:
+def made(
+    target: str, build: Path, robot: Path = FIRMWARE / "robot.h", frames: int = 1_000_000
+) -> str:
     """Make a target in this folder for this robot; return what make said.
+
+    ``frames`` damaged frames are tried.
 
     A test is skipped where there is no compiler for it, and says so.
     """
@@ -23,6 +27,7 @@ def made(target: str, build: Path, robot: Path = FIRMWARE / "robot.h") -> str:
     if target == "host" and not header.exists():
         pytest.skip("there is no libsimavr-dev here: what is flashed is not run")
     command = ["make", "--silent", target, f"BUILD={build}", f"ROBOT={robot}"]
+    command.append(f"FRAMES={frames}")
     done = subprocess.run(command, cwd=FIRMWARE, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

@@ -13,7 +13,7 @@ from pirate_sm.simulation.bay.virtual import VirtualBay
 from .conftest import ECHO, SETPOINTS, SLOTS, Host, MakeBay, array, read_array
 
 CLAMP, LOOP, WHEEL, ANGLE = 4, 6, 5, 10
-"""Slots: a bend joint that holds, one that a position loop turns, a wheel, one with a controller."""
+"""Slots: a bend joint that holds, one that a position loop turns, a wheel, one with an angle."""
 
 COUNTS = tuple({CLAMP: -700, LOOP: 300, WHEEL: 1000}.get(slot, 0) for slot in range(SLOTS))
 STOPPED = tuple({CLAMP: -700}.get(slot, 0) for slot in range(SLOTS))
