@@ -18,6 +18,7 @@
  *                      than CYCLE
  *     bus CYCLE HEX    the same on the line from the boards
  *     reset            restart the controller as the host's port does; memory stays as it is
+ *     jump             the same without a flag that says why, as behind a boot loader that clears it
  *     power            restart it after a loss of power: memory holds nothing
  *     hang             make the main loop hang where it sleeps next, until the next restart
  *     stack BOTTOM     paint the memory from this address to the stack; answered by how many bytes
@@ -189,10 +190,12 @@ static void run(uint64_t until)
     }
 }
 
-static void restart(void)
+static void restart(avr_regbit_t why)
 {
     const uint64_t until = now();
     avr_reset(avr);
+    if (why.reg != 0)
+        avr_regbit_set(avr, why);
     before_restart = until - avr->cycle;
     last_cycle = avr->cycle;
     from_host.tail = from_host.head;
@@ -253,10 +256,13 @@ int main(int argc, char **argv)
             put(&from_boards, cycle, hex);
             fprintf(answers, "\n");
         } else if (strncmp(line, "reset", 5) == 0) {
-            restart();
+            restart(avr->reset_flags.extrf);
+            fprintf(answers, "\n");
+        } else if (strncmp(line, "jump", 4) == 0) {
+            restart((avr_regbit_t){0});
             fprintf(answers, "\n");
         } else if (strncmp(line, "power", 5) == 0) {
-            restart();
+            restart(avr->reset_flags.porf);
             memset(avr->data + 0x200, 0xFF, avr->ramend + 1 - 0x200);
             fprintf(answers, "\n");
         } else if (strncmp(line, "hang", 4) == 0) {

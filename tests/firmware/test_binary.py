@@ -281,6 +281,20 @@ def test_after_a_reset_by_the_port_nothing_is_restored(speaker: Speaker) -> None
     assert speaker.bay.counts == [0] * 18
 
 
+def test_nothing_is_let_go_of_after_a_restart_of_which_it_is_not_known_why(
+    speaker: Speaker,
+) -> None:
+    for number in range(3):
+        speaker.set(number, DRIVEN, HELD)
+        speaker.wait(0.1)
+        speaker.bay.controller.does("jump")
+        speaker.wait(0.2)
+        assert speaker.bay.counts == STOPPED
+    speaker.send(0)
+    speaker.wait(0.4)
+    assert any("held slots were left alone" in line for line in speaker.words)
+
+
 def test_nor_after_a_loss_of_power(speaker: Speaker) -> None:
     speaker.set(1, DRIVEN, HELD)
     speaker.wait(0.1)
