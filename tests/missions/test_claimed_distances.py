@@ -92,7 +92,7 @@ def test_belief_in_the_mean_of_the_wheels_ends_where_dead_ones_are_dragged(tmp_p
     found = judged(Case(1940, "one defect", WAYS[14], order, None, 2.286))
 
     assert found.verdict == "claimed"
-    assert abs(found.claim.estimate_m - found.claim.truth_m) < found.claim.bound_m < 0.05
+    assert 0.02 < abs(found.claim.estimate_m - found.claim.truth_m) < found.claim.bound_m
 
 
 def test_belief_in_a_distance_has_a_narrow_bound_where_nothing_is_wrong(run) -> None:
@@ -128,8 +128,7 @@ def test_belief_in_wheels_ends_where_they_run_on_the_sides_of_their_tyres(tmp_pa
 
     claim = judged(Case(238, "pipe", WAYS[4], order, None, 0.416)).claim
 
-    assert abs(claim.estimate_m - claim.truth_m) < claim.bound_m
-    assert 0.012 < claim.bound_m < 0.03
+    assert abs(claim.estimate_m - claim.truth_m) < 0.012 < claim.bound_m < 0.03
 
 
 def test_a_wait_asks_for_a_bound_of_its_own(run, tmp_path: Path) -> None:

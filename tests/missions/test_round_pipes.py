@@ -39,7 +39,7 @@ def test_it_passes(name: str, tmp_path: Path) -> None:
     assert 0.0 < outcome.deepest_m < DEEPEST_M
 
 
-@pytest.mark.parametrize(("seed", "fault"), [(0, "robot.stuck"), (4, "clamp.lost")])
+@pytest.mark.parametrize(("seed", "fault"), [(0, "robot.stuck"), (2, "clamp.lost")])
 def test_a_mouth_in_the_plane_of_a_clamped_part_is_not_passed_and_it_is_said(
     tmp_path: Path, seed: int, fault: str
 ) -> None:
@@ -97,8 +97,8 @@ def test_a_way_over_a_step_in_an_upright_pipe_is_as_long_as_it_is_said_to_be(
 @pytest.mark.parametrize(
     ("seed", "friction", "end"),
     thorough_but(
-        [(4, 0.5, "fault")],
-        [(0, 0.5, "succeeded"), (4, 0.7, "fault"), (4, 0.5, "fault"), (6, 0.5, "fault")],
+        [(2, 0.7, "fault")],
+        [(0, 0.5, "succeeded"), (2, 0.7, "fault"), (4, 0.5, "fault"), (6, 0.5, "fault")],
     ),
 )
 def test_belief_in_a_way_over_a_step_in_an_upright_pipe_ends_where_wheels_slipped(

@@ -65,7 +65,7 @@ def test_it_is_reported_neither_as_lost_nor_as_slipping(held_by_little):
 
 
 def test_it_is_reported_as_lost_where_the_pipe_ends(held_by_little):
-    record = held_by_little("1.1 m", "7.5 s", 1)
+    record = held_by_little("1.1 m", "7 s", 1)
 
     assert record.ended.outcome != "succeeded"
     first = record.of(Fault)[0]

@@ -45,14 +45,14 @@ OUT_OWN = 2
 # Scratch columns per wheel. Those of joints and motors come first, as in space, which uses the same
 # functions for them.
 J_C, J_D, J_W, J_INV, J_LAM, J_FRICTION, J_STOP, J_RESISTS = range(8)
-SPIN, FORCE, SLOPE, CREEP, LINK_SCALE = range(8, 13)
-X0, Y0, LEVER_X, LEVER_Y, GA_X, GA_Y, GM_X, GM_Y, GB_X, GB_Y, G_X, G_Y, DRAG = range(13, 26)
-NODE_COLUMNS = 26
+SPIN, FORCE, SLOPE, LINK_SCALE = range(8, 12)
+X0, Y0, LEVER_X, LEVER_Y, GA_X, GA_Y, GM_X, GM_Y, GB_X, GB_Y, G_X, G_Y, DRAG = range(12, 25)
+NODE_COLUMNS = 25
 # Sums per wheel over the substeps of a call.
 T_PRESS, T_DRIVE, T_GRIP, T_TORQUE, T_CURRENT, T_COLUMNS = range(6)
 # Scratch columns per contact, and per link at an inner corner.
 (
-    NX, NY, N_INV, GAP, PUSH, GI_X, GI_Y, GO_X, GO_Y, DRIVE_W, ROLLING, TARGET, C_SLOPE, C_MU,
+    NX, NY, N_INV, GAP, PUSH, GI_X, GI_Y, GO_X, GO_Y, T_INV, ROLLING, TARGET, C_SLOPE, C_MU,
     C_FORCE, C_STIFF, HELD,
 ) = range(17)  # fmt: skip
 CONTACT_COLUMNS = 17

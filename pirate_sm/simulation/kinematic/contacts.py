@@ -129,7 +129,7 @@ def prepare_contacts(
         con[c, col.C_SLOPE] = w[i, col.SLOPE]
         mass_inv = body[i, col.MASS_INV] * (con[c, col.GI_X] ** 2 + con[c, col.GI_Y] ** 2)
         mass_inv += body[other, col.MASS_INV] * (hx * hx + hy * hy)
-        con[c, col.DRIVE_W] = mass_inv + w[i, col.SLOPE]
+        con[c, col.T_INV] = 1.0 / (mass_inv + w[i, col.SLOPE])
         con[c, col.C_STIFF] = 1.0 / mass_inv
 
 
@@ -151,12 +151,6 @@ def at_most(value: float, most: float) -> float:
 
 
 @compiled
-def crept_m(creep: float, force: float, friction: float) -> float:
-    """Return how far a tyre creeps with a force, of what it creeps at all of its friction."""
-    return creep * force / friction if friction > 0.0 else 0.0
-
-
-@compiled
 def solve_contacts(
     count: int,
     pos: Floats,
@@ -170,8 +164,7 @@ def solve_contacts(
     """Push out and roll each contact once, with friction within its cone.
 
     A tyre resists rolling as dry friction of the axle would: it takes from the force of the motor
-    what is left to roll with, and no more than its share of the normal force. A tyre creeps by its
-    share of the friction that it has now, so one that has just come to a wall grips.
+    what is left to roll with, and no more than its share of the normal force.
     """
     for c in range(count):
         i = who[c, col.NODE]
@@ -184,21 +177,17 @@ def solve_contacts(
         pos[i, 0] += step * con[c, col.NX]
         pos[i, 1] += step * con[c, col.NY]
         drag = world[col.ROLLING_RESISTANCE] * new
-        friction = con[c, col.C_MU] * new
-        limit = min(friction, con[c, col.C_FORCE] + drag)
+        limit = min(con[c, col.C_MU] * new, con[c, col.C_FORCE] + drag)
         old = con[c, col.ROLLING]
         if con[c, col.C_MU] == 0.0 or (limit == 0.0 and old == 0.0):
             continue
         o = who[c, col.OTHER]
         rolled = rolled_m(c, i, o, pos, w, con)
-        new = 0.0
-        if limit > 0.0:
-            left = con[c, col.TARGET] - rolled - con[c, col.C_SLOPE] * old
-            share = 1.0 / (con[c, col.DRIVE_W] * friction + w[i, col.CREEP])
-            more = (left * friction - w[i, col.CREEP] * old) * share
-            still = (con[c, col.HELD] - rolled) * con[c, col.C_STIFF]
-            more += at_most(still - more, con[c, col.C_SLOPE] * friction * share * drag)
-            new = at_most(old + more, limit)
+        left = con[c, col.TARGET] - rolled - con[c, col.C_SLOPE] * old
+        more = left * con[c, col.T_INV]
+        still = (con[c, col.HELD] - rolled) * con[c, col.C_STIFF]
+        more += at_most(still - more, con[c, col.C_SLOPE] * con[c, col.T_INV] * drag)
+        new = at_most(old + more, limit)
         con[c, col.ROLLING] = new
         step = inv * (new - old)
         pos[i, 0] += step * con[c, col.GI_X]

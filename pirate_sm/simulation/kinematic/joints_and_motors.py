@@ -6,7 +6,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.kinematic import columns as col
-from pirate_sm.simulation.kinematic.contacts import at_most, crept_m, rolled_m
+from pirate_sm.simulation.kinematic.contacts import at_most, rolled_m
 from pirate_sm.simulation.machine_code import compiled
 
 # --- joints --------------------------------------------------------------------------------------
@@ -89,10 +89,6 @@ def solve_links(n: int, pos: Floats, body: Floats, w: Floats) -> None:
 
 # The motor side of a spring may wind this far beyond the joint's own end stop.
 _WINDING_RAD = 0.6
-# Slip at which a rolling wheel slides, along its drive or across it; below, it creeps in proportion
-# to the force: the linear part of the brush model of a tyre, as stiff both ways (Pacejka, Tire and
-# Vehicle Dynamics, chapter 3) [assumed].
-_SLIDING_SLIP = 0.1
 # Share of its limit from which a force counts as having reached it.
 REACHED = 0.9999
 # A part that lies in the pipe presses with up to its weight, and little more where its joints still
@@ -101,26 +97,14 @@ _LYING_WEIGHTS = 2.0
 
 
 @compiled
-def prepare_motors(
-    n: int,
-    steps: int,
-    command: Floats,
-    body: Floats,
-    world: Floats,
-    turned: Floats,
-    w: Floats,
-) -> None:
-    """Set what is constant during a call: limits of motors, creep of tyres, compliances.
-
-    A tyre that slides creeps by its share of how far its wheel turned in a step of the last calls.
-    """
+def prepare_motors(n: int, command: Floats, body: Floats, world: Floats, w: Floats) -> None:
+    """Set what is constant during a call: limits of motors, compliances of joints, of links."""
     dt = world[col.DT]
     radius = world[col.RADIUS]
     for i in range(n):
         duty = command[n + i]
         w[i, col.SPIN] = duty * body[i, col.WHEEL_RATE] * dt
         w[i, col.SLOPE] = 0.0
-        w[i, col.CREEP] = _SLIDING_SLIP * radius * abs(turned[i]) / steps
         w[i, col.FORCE] = body[i, col.WHEEL_HOLD] / radius * dt * dt
         if duty != 0.0:
             w[i, col.FORCE] = body[i, col.WHEEL_STALL] / radius * dt * dt
@@ -203,17 +187,16 @@ def turn_wheels(
         rolled = rolled_m(c, i, who[c, col.OTHER], pos, w, con)
         force = con[c, col.ROLLING]
         slope = con[c, col.C_SLOPE]
-        friction = con[c, col.C_MU] * con[c, col.PUSH]
         drag = world[col.ROLLING_RESISTANCE] * con[c, col.PUSH]
         bears = con[c, col.C_FORCE] + drag
         lost = slope * force
         dragged = at_most(con[c, col.TARGET] - con[c, col.HELD] - lost, slope * drag)
         lost += dragged
-        rolled += crept_m(w[i, col.CREEP], force, friction)
         left = con[c, col.TARGET] - rolled - lost
         motor = force + dragged / slope if slope > 0.0 else force
         tally[i, col.T_DRIVE] += min(abs(motor), con[c, col.C_FORCE])
         tally[i, col.T_GRIP] += force
+        friction = con[c, col.C_MU] * con[c, col.PUSH]
         stalled = bears < friction and abs(force) >= REACHED * bears
         slips = abs(left) >= bound and not stalled and abs(force) >= REACHED * friction
         if not stalled:

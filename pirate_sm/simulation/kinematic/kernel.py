@@ -51,18 +51,16 @@ _STOP_RAD = 0.1
 @compiled
 def prepare(
     n: int,
-    steps: int,
     command: Floats,
     body: Floats,
     legs: Floats,
     world: Floats,
-    turned: Floats,
     roll: Floats,
     out: Floats,
     w: Floats,
 ) -> None:
     """Set what is constant during a call: gravity, motor limits, compliances."""
-    prepare_motors(n, steps, command, body, world, turned, w)
+    prepare_motors(n, command, body, world, w)
     dt = world[col.DT]
     leg_of = (col.OUT_PER_WHEEL + 1) * n + col.OUT_SINGLE
     front, rear = roll[1], roll[2]
@@ -351,7 +349,7 @@ def advance(
     vx = vel[imu, 0]
     vy = vel[imu, 1]
     project(n, pos, legs, out)
-    prepare(n, steps, command, body, legs, world, turned, roll, out, w)
+    prepare(n, command, body, legs, world, roll, out, w)
     count = 0
     corners = 0
     for step in range(steps):

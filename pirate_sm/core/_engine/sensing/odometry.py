@@ -43,12 +43,6 @@ _DRAGS, _DRAGS_AT_MOST = 4.0, 0.08
 """The same while they drag dead wheels: under this load they creep, by up to 7 % of the way in
 drawn pipes [measured]."""
 
-_CREEPS, _CREEPS_AT_MOST = 1.25, 0.1
-"""Wheels that bear a load creep by their share of the friction. An apex presses twice as hard as
-the ends of its legs (thesis eq. 3-3), so its wheel creeps half as much: by once what the others
-roll more. Loads on the legs make that 1.25 [measured in upright pipes]. The second is what a wheel
-creeps at most before it slides, as a share of its way: the slip at which a tyre does [assumed]."""
-
 _SOME = 0.35
 """Share of the differences that counts where some wheels slip and others roll [decided]."""
 
@@ -150,15 +144,14 @@ def judge(
         apart_m = copysign(max(0.0, abs(apart_m) - slipped_m), apart_m)
     paces_m_s = _paces_m_s(robot, sensing)
     late_m, gone_m = _late_m(robot, sensing, by, setpoints, paces_m_s, now_s)
-    crept_m, unseen = _crept_m(robot, by, rolled_m) if grip.bears else (0.0, 0.0)
     leans, at_most = (_DRAGS, _DRAGS_AT_MOST) if by.out else (_LEANS, _LEANS_AT_MOST)
-    wrong = _SHARE + _LOST * sensing.loss + min(leans * lacking, at_most) + unseen
+    wrong = _SHARE + _LOST * sensing.loss + min(leans * lacking, at_most)
     width_m = memory.width_m + wrong * abs(by.moved_m) + BALANCED * abs(by.missed_m) + gone_m
     sliding_m_s = memory.sliding_m_s + grip.pull_m_s2 * elapsed_s
     pending = grip.slips and (changes or grip.vague)
     running = sensing.asked.driving or any(sensing.shares)
     numbers = list(sensing.numbers)
-    numbers[robot.odometry] += by.missed_m - lacking * by.moved_m - crept_m
+    numbers[robot.odometry] += by.missed_m - lacking * by.moved_m
     memory = memory._replace(
         running=running,
         begun_s=begun_s,
@@ -215,23 +208,6 @@ def _apart_m(by: Believed, rolled_m: Sequence[float]) -> float:
     """
     turning_m = [rolled_m[at] for at in by.wheels if isinf(by.odd_s[at])]
     return median(turning_m) - fmean(turning_m) if turning_m else 0.0
-
-
-def _crept_m(robot: RobotSpec, by: Believed, rolled_m: Sequence[float]) -> tuple[float, float]:
-    """Return how much more wheels rolled in a round than the robot went, under a load.
-
-    Nothing shows it if no wheel of an apex, or none of a leg's end, is believed. Then the second is
-    the share of the way that it may be.
-    """
-    apexes = {part.wheels[len(part.wheels) // 2] for part in robot.body.parts}
-    inner_m = [rolled_m[at] for at in by.wheels if at in apexes]
-    outer_m = [rolled_m[at] for at in by.wheels if at not in apexes]
-    if not inner_m or not outer_m:
-        return 0.0, _CREEPS_AT_MOST
-    most_m = _CREEPS_AT_MOST * abs(by.moved_m)
-    more_m = fmean(outer_m) - fmean(inner_m)
-    crept_m = fmean([*inner_m, *outer_m]) - fmean(inner_m) + _CREEPS * more_m
-    return min(max(crept_m, -most_m), most_m), 0.0
 
 
 def _paces_m_s(robot: RobotSpec, sensing: Sensing) -> Numbers:

@@ -192,14 +192,12 @@ class WheelGrip(NamedTuple):
         speeds: Speeds that the robot may have besides the mean of its wheels; none if they roll.
         pull_m_s2: How fast it accelerates at most if it slides down a slope.
         vague: Whether that is decided by what follows, because boards have repeated their values.
-        bears: Whether the wheels bear some of the weight.
     """
 
     slips: bool = False
     speeds: Sequence[float] = ()
     pull_m_s2: float = 0.0
     vague: bool = False
-    bears: bool = False
 
 
 def judge_grip(
@@ -243,12 +241,12 @@ def judge_grip(
     lacks = excess_n < -slack_n and not isnan(pitch_rad)
     slips = excess_n > slack_n or lacks or (steep and (unalike or len(turning) < _FEW))
     if not slips and not unalike:
-        return WheelGrip(bears=steep)
+        return WheelGrip()
     gripping = _gripping(robot, numbers, turning, setpoints)
     if not gripping and excess_n > slack_n and felt and not steep:
         gripping = _carried(numbers, setpoints, turning)
     if gripping or not slips:
-        return WheelGrip(speeds=gripping or ends, bears=steep)
+        return WheelGrip(speeds=gripping or ends)
     pull_n = min(asked_n, slack_n - excess_n) if steep and weight_n else 0.0
     vague = len(turning) < _FEW <= len(by.wheels)
     return WheelGrip(True, ends, pull_n / weight_n * GRAVITY_M_S2 if pull_n else 0.0, vague)

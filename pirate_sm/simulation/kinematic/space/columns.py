@@ -73,13 +73,13 @@ OUT_OWN = 4
 # Scratch columns per wheel: its joint and its motors, as in the plane; the link behind it, its
 # levers in the planes of its two ends, gradients of its joint.
 J_C, J_D, J_W, J_INV, J_LAM, J_FRICTION, J_STOP, J_RESISTS = range(8)
-SPIN, FORCE, SLOPE, CREEP, LINK_SCALE = range(8, 13)
-D_X, D_Y, D_Z, LF_X, LF_Y, LF_Z, LR_X, LR_Y, LR_Z = range(13, 22)
-GA_X, GA_Y, GA_Z, GM_X, GM_Y, GM_Z, GB_X, GB_Y, GB_Z = range(22, 31)
+SPIN, FORCE, SLOPE, LINK_SCALE = range(8, 12)
+D_X, D_Y, D_Z, LF_X, LF_Y, LF_Z, LR_X, LR_Y, LR_Z = range(12, 21)
+GA_X, GA_Y, GA_Z, GM_X, GM_Y, GM_Z, GB_X, GB_Y, GB_Z = range(21, 30)
 # Coplanarity of the link behind the wheel: value, share of the roll link's tilt, of the roll,
 # inverse mass, impulse.
-P_C, P_TILT, P_ROLL, P_INV, P_LAM = range(31, 36)
-NODE_COLUMNS = 36
+P_C, P_TILT, P_ROLL, P_INV, P_LAM = range(30, 35)
+NODE_COLUMNS = 35
 # Scratch of the two parts: normal, `n x e`, roll in this substep, inverse inertia, roll since the
 # normals were found.
 N_X, N_Y, N_Z, N_BX, N_BY, N_BZ, N_ROLL, N_INV_I, N_ROLLED = range(9)
@@ -87,7 +87,7 @@ PART_COLUMNS = 9
 T_PRESS, T_DRIVE, T_GRIP, T_TORQUE, T_CURRENT, T_COLUMNS = range(6)
 # Scratch columns per contact of a wheel.
 NX, NY, NZ, GAP, PUSH, PUSH_INV = range(6)
-GI_X, GI_Y, GI_Z, GO_X, GO_Y, GO_Z, DRIVE, DRIVE_W, TARGET, K_SLOPE, K_FORCE = range(6, 17)
+GI_X, GI_Y, GI_Z, GO_X, GO_Y, GO_Z, DRIVE, DRIVE_INV, TARGET, K_SLOPE, K_FORCE = range(6, 17)
 SX, SY, SZ, S_TURN, SIDE, SIDE_W, S_TARGET, K_MU, K_RADIUS, K_CREEP, DISTANCE = range(17, 28)
 K_STIFF, HELD = 28, 29
 CONTACT_COLUMNS = 30

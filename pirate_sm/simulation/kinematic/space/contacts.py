@@ -12,6 +12,9 @@ from pirate_sm.simulation.machine_code import compiled
 
 # Below this share of its radius a wheel that lies on its side does not roll.
 _LEAST_ROLLING = 0.05
+# Slip angle at which a rolling wheel slides sideways; below, it creeps in proportion to the force
+# (brush model of a tyre: Pacejka, Tire and Vehicle Dynamics, chapter 3) [assumed].
+_SLIDING_SLIP_RAD = 0.1
 # Deeper than the first, as on the edge of a step, a tyre is so many times as stiff [assumed]. The
 # last is pushed out in a substep at most, lest a wheel that comes over a rim is thrown [by trial].
 _FLAT_TYRE_M, _FLAT_TYRE_STIFFER, _DEEPEST_M = 0.0018, 4.0, 0.006
@@ -177,10 +180,9 @@ def _gear(c: int, i: int, sine: float, body: Floats, world: Floats, w: Floats, c
     con[c, col.K_RADIUS] = radius
     con[c, col.K_FORCE] = w[i, col.FORCE] / sine
     con[c, col.K_SLOPE] = w[i, col.SLOPE] * sine * sine
-    con[c, col.K_CREEP] = w[i, col.CREEP] * sine
     con[c, col.TARGET] += w[i, col.SPIN] * radius
     mass_inv = body[i, col.MASS_INV] * own + body[other, col.MASS_INV] * across
-    con[c, col.DRIVE_W] = mass_inv + con[c, col.K_SLOPE]
+    con[c, col.DRIVE_INV] = 1.0 / (mass_inv + con[c, col.K_SLOPE])
     con[c, col.K_STIFF] = 1.0 / mass_inv
     return other
 
@@ -223,6 +225,7 @@ def prepare_contacts(
         sine = _face(c, p, world[col.RADIUS], parts, con)
         recall(c, i, body, world, anchor, con, who)
         con[c, col.SIDE_W] = body[i, col.MASS_INV] + con[c, col.S_TURN] ** 2 * parts[p, col.N_INV_I]
+        con[c, col.K_CREEP] = _SLIDING_SLIP_RAD
         if sine > 0.0:
             rolls = max(sine, world[col.TYRE_EDGE])
             who[c, col.OTHER] = _gear(c, i, rolls, body, world, w, con)
@@ -231,8 +234,7 @@ def prepare_contacts(
         con[c, col.K_RADIUS] = 0.0
         con[c, col.K_SLOPE] = 0.0
         con[c, col.K_FORCE] = np.inf
-        con[c, col.DRIVE_W] = body[i, col.MASS_INV]
-        con[c, col.K_STIFF] = 1.0 / body[i, col.MASS_INV]
+        con[c, col.DRIVE_INV] = con[c, col.K_STIFF] = 1.0 / body[i, col.MASS_INV]
         for k in range(3):
             con[c, col.GO_X + k] = 0.0
 
@@ -280,16 +282,16 @@ def solve_contacts(
         )
         slid = con[c, col.SX] * x + con[c, col.SY] * y + con[c, col.SZ] * z
         slid += con[c, col.S_TURN] * parts[p, col.N_ROLL]
-        to_drive, to_side = drive, side  # of which the circle below leaves nothing without a limit
+        left = con[c, col.TARGET] - rolled - con[c, col.K_SLOPE] * drive
+        drag = world[col.ROLLING_RESISTANCE] * new
+        more = left * con[c, col.DRIVE_INV]
+        still = (con[c, col.HELD] - rolled) * con[c, col.K_STIFF]
+        more += at_most(still - more, con[c, col.K_SLOPE] * con[c, col.DRIVE_INV] * drag)
+        to_drive = at_most(drive + more, con[c, col.K_FORCE] + drag)
+        creep = con[c, col.K_CREEP] * abs(rolled)
+        # At a limit of 0 the circle below leaves nothing.
+        to_side = side
         if limit > 0.0:
-            creep = con[c, col.K_CREEP]
-            left = con[c, col.TARGET] - rolled - con[c, col.K_SLOPE] * drive
-            drag = world[col.ROLLING_RESISTANCE] * new
-            share = 1.0 / (con[c, col.DRIVE_W] * limit + creep)
-            more = (left * limit - creep * drive) * share
-            still = (con[c, col.HELD] - rolled) * con[c, col.K_STIFF]
-            more += at_most(still - more, con[c, col.K_SLOPE] * limit * share * drag)
-            to_drive = at_most(drive + more, con[c, col.K_FORCE] + drag)
             away = (con[c, col.S_TARGET] - slid) * limit - creep * side
             to_side += away / (con[c, col.SIDE_W] * limit + creep)
         both2 = to_drive * to_drive + to_side * to_side

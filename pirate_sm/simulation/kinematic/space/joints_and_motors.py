@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
-from pirate_sm.simulation.kinematic.contacts import at_most, crept_m
+from pirate_sm.simulation.kinematic.contacts import at_most
 from pirate_sm.simulation.kinematic.joints_and_motors import REACHED, resist, strongest
 from pirate_sm.simulation.kinematic.space import columns as col
 from pirate_sm.simulation.machine_code import compiled
@@ -119,6 +119,17 @@ def _slid(c: int, i: int, mov: Floats, parts: Floats, con: Floats, p: int) -> fl
 
 
 @compiled
+def _crept(c: int, rolled: float, con: Floats) -> float:
+    """Return how far a wheel has crept along its axle while it rolled."""
+    friction = con[c, col.K_MU] * con[c, col.PUSH]
+    return (
+        float(con[c, col.K_CREEP] * abs(rolled) * con[c, col.SIDE] / friction)
+        if friction > 0.0
+        else 0.0
+    )
+
+
+@compiled
 def _remember(anchor: Floats, surface: float, drive: float, side: float) -> None:
     """Keep what a wheel has left unsolved at a surface, where there is room."""
     for k in range(0, 3 * col.ANCHORS, 3):
@@ -160,22 +171,21 @@ def turn_wheels(
         side = con[c, col.SIDE]
         rolled = _rolled(c, i, who[c, col.OTHER], mov, con)
         slope = con[c, col.K_SLOPE]
-        friction = con[c, col.K_MU] * con[c, col.PUSH]
         drag = world[col.ROLLING_RESISTANCE] * con[c, col.PUSH]
         bears = con[c, col.K_FORCE] + drag
         lost = slope * drive
         dragged = at_most(con[c, col.TARGET] - con[c, col.HELD] - lost, slope * drag)
         lost += dragged
-        rolled += crept_m(con[c, col.K_CREEP], drive, friction)
         left = con[c, col.TARGET] - rolled - lost
         motor = drive + dragged / slope if slope > 0.0 else drive
         aside = (
             con[c, col.S_TARGET]
             - _slid(c, i, mov, parts, con, who[c, col.PART])
-            - crept_m(con[c, col.K_CREEP], side, friction)
+            - _crept(c, rolled, con)
         )
         tally[i, col.T_DRIVE] += min(abs(motor), con[c, col.K_FORCE]) * con[c, col.K_RADIUS]
         tally[i, col.T_GRIP] += drive
+        friction = con[c, col.K_MU] * con[c, col.PUSH]
         stalled = bears < friction and abs(drive) >= REACHED * bears
         if stalled:
             left = 0.0

@@ -316,7 +316,7 @@ def advance(
     vx, vy, vz = vel[imu, 0], vel[imu, 1], vel[imu, 2]
     parts[0, col.N_INV_I] = 1.0 / world[col.INERTIA_FRONT]
     parts[1, col.N_INV_I] = 1.0 / world[col.INERTIA_REAR]
-    prepare_motors(n, steps, command, body, world, turned, w)
+    prepare_motors(n, command, body, world, w)
     look_around(
         n, pos, vel, body, solids, edges, points, world, passed, near, nears, rims, rim_at, link_at
     )

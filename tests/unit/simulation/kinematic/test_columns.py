@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 from pirate_sm.simulation.kinematic import columns as plane
-from pirate_sm.simulation.kinematic.joints_and_motors import _SLIDING_SLIP
 from pirate_sm.simulation.kinematic.space import columns as space
-from pirate_sm.simulation.physics import SLIDING_SLIP
 
 OF_JOINTS_AND_MOTORS = ("J_", "JOINT_", "WHEEL_", "LINK_", "T_")
 
 
 def test_columns_of_functions_that_both_kernels_use_are_the_same() -> None:
     shared = [name for name in vars(plane) if name.startswith(OF_JOINTS_AND_MOTORS)]
-    shared += ["DT", "RADIUS", "MASS_INV", "SPIN", "FORCE", "SLOPE", "CREEP", "NODE", "PUSH"]
+    shared = [name for name in shared if name != "T_INV"]
+    shared += ["DT", "RADIUS", "MASS_INV", "SPIN", "FORCE", "SLOPE", "NODE", "PUSH"]
 
     assert {name: getattr(plane, name) for name in shared} == {
         name: getattr(space, name) for name in shared
     }
     assert plane.KEY == space.SURFACE
-
-
-def test_tyres_of_both_simulators_slide_at_the_same_slip() -> None:
-    assert _SLIDING_SLIP == SLIDING_SLIP

@@ -331,51 +331,6 @@ def test_a_climbing_robot_bears_its_weight_at_the_speed_of_its_motors(
         assert speed == pytest.approx(motor.rate_rad_s * left, rel=1e-6)
 
 
-def creeping(chain: ChainBody, section: Section, up: Floats) -> tuple[Floats, Floats]:
-    """Slip of each wheel of a robot that drives, and the share of its friction that it uses."""
-    world = put(chain, Case(section, 0.12, up, clamped(0.5 * np.ones(4)), np.zeros(6), 0.3, 0.0))
-    run(world, 0.5)
-    world.duties[6:] = 0.8 * AHEAD
-    run(world, 2.0)
-    turned, start = world.state.wheel.copy(), places(world)[:, 0]
-    run(world, 2.0)
-    way = (places(world)[:, 0] - start).mean()
-    slip = 1.0 - way / ((world.state.wheel - turned) * AHEAD * chain.wheel_radius_m)
-    return slip, quantity(world, "grip") * AHEAD / (0.3 * quantity(world, "press"))
-
-
-@pytest.mark.parametrize(
-    ("sine", "least", "most"), [(1, 0.1, 0.3), (0, -0.1, 0.1), (-1, -0.3, -0.1)]
-)
-def test_a_tyre_creeps_by_its_share_of_the_friction_in_the_plane_as_in_space(
-    chain: ChainBody, sine: float, least: float, most: float
-) -> None:
-    up = np.array([sine, 1.0 - abs(sine), 0.0])  # in the plane of the robot, which does not lean
-    both_slips = []
-    for section in KINDS:
-        slip, used = creeping(chain, section, up)
-        assert least < used.mean() < most
-        assert slip == pytest.approx(0.1 * used, rel=0.01, abs=1e-5)
-        both_slips.append(slip)
-    assert both_slips[0] == pytest.approx(both_slips[1], rel=1e-6, abs=1e-9)
-
-
-@both
-def test_a_tyre_that_hardly_pressed_in_the_last_call_grips_at_once(
-    chain: ChainBody, section: Section
-) -> None:
-    up, joints = np.array([1.0, 0.0, 0.0]), clamped(0.5 * np.ones(4))
-    usual, lifted = (
-        run(put(chain, Case(section, 0.12, up, joints, 0.8 * AHEAD, 0.3, 0.0)), 1.0)
-        for _ in range(2)
-    )
-    quantity(lifted, "press")[:] = 1e-6
-    for world in (usual, lifted):
-        world.advance()
-    assert (quantity(lifted, "grip") == quantity(usual, "grip")).all()
-    assert (places(lifted) == places(usual)).all()
-
-
 @both
 @pytest.mark.parametrize("share", [0.6, 0.8, 1.0, 1.4])
 def test_an_upright_robot_falls_below_the_friction_that_bears_its_weight(

@@ -195,50 +195,6 @@ def test_up_a_pipe_wheels_that_bear_the_weight_roll() -> None:
     assert world.drive(10) == pytest.approx(0.006 * way_m(10))
 
 
-APEXES = {1, 4}
-
-
-@pytest.mark.parametrize("way", [1.0, -1.0])
-def test_wheels_that_creep_under_the_weight_roll_more_than_the_robot_goes(way: float) -> None:
-    """Up they roll more than it goes, and down less; those of apexes by half as much."""
-    world, creep = World(UP), 0.012
-    world.force, world.duty = 1.0, way
-    shares = [1 + way * creep * (0.5 if at in APEXES else 1.0) for at in range(6)]
-    world.speeds = [way * SPEED * share for share in shares]
-    rolled_m = way_m(10) * sum(shares) / 6
-
-    width_m = world.drive(10)
-
-    # What odometry takes off is that and a quarter of the difference.
-    crept_m = rolled_m - way_m(10) + way * 0.25 * creep / 2 * way_m(10)
-    assert world.sensing.numbers[robot().odometry] == pytest.approx(-way * crept_m)
-    assert width_m == pytest.approx(0.006 * rolled_m)
-
-
-def test_belief_in_a_way_ends_where_nothing_shows_how_much_wheels_creep() -> None:
-    world = World(UP)
-    world.force = 1.0
-    memory = world.sensing.distance
-    out = frozenset(APEXES)
-    world.sensing = world.sensing._replace(
-        distance=memory._replace(out=out, strayed_m=(0.0, nan, 0.0, 0.0, nan, 0.0)),
-        shares=tuple(0.0 if at in out else 0.25 for at in range(6)),
-    )
-    world.silent = set(out)
-
-    assert world.drive() == pytest.approx((0.006 + 0.1) * way_m(1))
-
-
-@pytest.mark.parametrize("force", [0.0, 0.2])
-def test_wheels_that_bear_nothing_do_not_creep(force: float) -> None:
-    world = World()
-    world.force, world.speeds = force, [SPEED * (0.995 if at in APEXES else 1) for at in range(6)]
-
-    world.drive(10)
-
-    assert world.sensing.numbers[robot().odometry] == 0.0
-
-
 def slipping(world: World) -> World:
     """Wheels give more than gravity asks for, and those in the middle turn slower."""
     world.speeds = [SPEED, 0.6, SPEED, SPEED, 0.6, SPEED]
