@@ -12,7 +12,7 @@ from representative import thorough_but
 
 from pirate_sm.core.geometry import GRAVITY_M_S2, Route
 from pirate_sm.core.models import Friction, Profile
-from pirate_sm.simulation.kinematic import joints_and_motors
+from pirate_sm.simulation.kinematic.space import contacts
 from pirate_sm.simulation.kinematic.space.space_world import SpaceWorld
 from pirate_sm.simulation.kinematic.world import World as KinematicWorld
 from pirate_sm.simulation.mujoco.world import MujocoWorld
@@ -168,7 +168,7 @@ def test_a_robot_that_clamps_beside_the_axis_creeps_to_it_as_it_drives(
 
 
 def test_tyres_of_both_physics_slide_at_one_slip() -> None:
-    assert joints_and_motors._SLIDING_SLIP == SLIDING_SLIP
+    assert contacts._SLIDING_SLIP_RAD == SLIDING_SLIP
 
 
 @pytest.mark.parametrize("physics", [SpaceWorld, MujocoWorld])
