@@ -106,7 +106,7 @@ class _Project:
             part = check.part(target)
         else:
             key = str(target.path), str(target.kind), target.named, *wishes.key
-            part = FilePart.read(kept("file", key, lambda: check.part(target).written()))
+            part = kept("file", key, lambda: check.part(target).written(), FilePart.read)
         self._parts[name] = part
         self._names |= dict.fromkeys(part.names)
 

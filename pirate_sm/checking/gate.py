@@ -72,8 +72,12 @@ def _found_in(loaded: LoadedMission, *, afresh: bool) -> tuple[Finding, ...]:
     if afresh or not loaded.origin:
         return _checked(loaded)
     inputs = loaded.origin, references.keeps_inside()
-    found = kept("gate", inputs, lambda: [*map(written, _checked(loaded))])
-    return tuple(map(read, found))
+    return kept(
+        "gate",
+        inputs,
+        lambda: [*map(written, _checked(loaded))],
+        lambda found: tuple(map(read, found)),
+    )
 
 
 def _checked(loaded: LoadedMission) -> tuple[Finding, ...]:

@@ -5,38 +5,25 @@ the installed distributions, the working folder, the inputs that its maker names
 all questions that were asked of the disk (`on_disk.py`), which are asked again. What another
 package's code does cannot be asked again, and is not kept.
 
-The folder is only for its owner, and nothing in it is trusted more than that: an entry is text with
-a digest of itself. One that cannot be used is made again, and where nothing can be written nothing
-is kept.
+An entry (`kept_entries.py`) that cannot be used is made again.
 """
 
 from __future__ import annotations
 
-import json
 import os
-import re
-import stat
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
-from hashlib import blake2b
-from itertools import accumulate
 from pathlib import Path
 from time import time
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypeVar
 
-from pirate_sm.core.on_disk import PART, DiskAnswers, here, is_there, noting
+from pirate_sm.core.kept_entries import Entries, digest, results
+from pirate_sm.core.on_disk import DiskAnswers, here, noting
 
-FOLDER_VARIABLE: Final = "PIRATE_SM_CACHE"
-"""Names the folder, instead of the user's; empty: nothing is kept."""
-
-LARGEST: Final = 1 << 26
-"""What all entries take together, bytes; the oldest are removed. [decided]"""
-
-_AFTER_CLEARING: Final = LARGEST * 3 // 4
-"""What is left when the oldest are removed, so that this is rare, bytes. [decided]"""
+R = TypeVar("R")
 
 _COARSEST_S: Final = 2.0
 """The coarsest step of times of files: of FAT. What changed later may look unchanged."""
@@ -45,7 +32,6 @@ _BEGAN_S: Final = time()
 _PACKAGE: Final = Path(__file__).parents[1]
 _DISTRIBUTIONS: Final = (".dist-info", ".egg-info", ".egg-link", ".pth")
 _VARIABLES: Final = {"HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"}
-_ENTRY: Final = re.compile(rf"[0-9a-f]{{32}}(\.[0-9a-f]{{8}}{re.escape(PART)})?")
 
 
 @dataclass
@@ -58,9 +44,9 @@ class _Using:
         depth: How many results are being made, one for the other.
     """
 
-    folder: Path
+    entries: Entries
     stamp: str
-    waiting: dict[str, bytes] = field(default_factory=dict)
+    waiting: dict[str, Any] = field(default_factory=dict)
     depth: int = 0
 
 
@@ -70,10 +56,10 @@ _using: ContextVar[_Using | None] = ContextVar("using", default=None)
 @contextmanager
 def kept_results() -> Iterator[None]:
     """Return a context in which results are kept and used again."""
-    folder, stamp = results_folder(), _stamp()
+    entries, stamp = results(), _stamp()
     using = None
-    if folder is not None and stamp is not None and here():
-        using = _Using(folder, stamp) if _is_ours(folder) or not is_there(folder) else None
+    if entries is not None and stamp is not None and here():
+        using = _Using(entries, stamp)
     before = _using.set(using)
     try:
         yield
@@ -81,19 +67,22 @@ def kept_results() -> Iterator[None]:
         _using.reset(before)
 
 
-def kept(what: str, inputs: tuple[Any, ...], make: Callable[[], Any]) -> Any:
+def kept(
+    what: str, inputs: tuple[Any, ...], make: Callable[[], Any], read: Callable[[Any], R]
+) -> R:
     """Return a result from the folder, or from its maker, and keep it.
 
     Args:
         what: What kind of result it is.
         inputs: All that it depends on besides files, as plain values.
         make: Makes it, as JSON.
+        read: Reads it from JSON; raises for what is not such a result.
     """
     using = _using.get()
     if using is None:
-        return make()
+        return read(make())
     key = _key(using, what, inputs)
-    found = _read(using.folder / key)
+    found = _read(using, key, read)
     if found is not None:
         return found
     using.depth += 1
@@ -102,21 +91,21 @@ def kept(what: str, inputs: tuple[Any, ...], make: Callable[[], Any]) -> Any:
             result = make()
         if asked.whole:
             using.waiting[key] = _written(asked, result)
-        return result
+        return read(result)
     finally:
         using.depth -= 1
         if not using.depth and using.waiting:
             _flush(using)
 
 
-def again(what: str, inputs: tuple[Any, ...]) -> Any:
+def again(what: str, inputs: tuple[Any, ...], read: Callable[[Any], R]) -> R | None:
     """Return a result from the folder; None without one."""
     using = _using.get()
-    return None if using is None else _read(using.folder / _key(using, what, inputs))
+    return None if using is None else _read(using, _key(using, what, inputs), read)
 
 
 def _key(using: _Using, what: str, inputs: tuple[Any, ...]) -> str:
-    return _digest(repr((what, inputs, using.stamp, here())).encode())
+    return digest(repr((what, inputs, using.stamp, here())).encode())
 
 
 # --- what is the same for all results -------------------------------------------------------------
@@ -133,16 +122,24 @@ def _stamp() -> str | None:
     try:
         found += _files_of(str(_PACKAGE))
         for place in sys.path:
-            with (
-                suppress(NotADirectoryError, FileNotFoundError),
-                os.scandir(place or ".") as inside,
-            ):
-                named = [each for each in inside if each.name.endswith(_DISTRIBUTIONS)]
-                found += sorted((each.path, each.stat().st_mtime_ns) for each in named)
+            found += _installed(place or ".")
     except OSError:
         return None
     latest_s = max(each.changed_ns for each in found if isinstance(each, _File)) / 1e9
-    return None if latest_s > _BEGAN_S - _COARSEST_S else _digest(repr(found).encode())
+    return None if latest_s > _BEGAN_S - _COARSEST_S else digest(repr(found).encode())
+
+
+def _installed(place: str) -> Iterator[Any]:
+    """Yield the names of what is installed in a place, and when each was changed."""
+    named = []
+    with suppress(NotADirectoryError, FileNotFoundError), os.scandir(place) as inside:
+        named = sorted(each.path for each in inside if each.name.endswith(_DISTRIBUTIONS))
+    for each in named:
+        for path in (each, f"{each}/entry_points.txt"):
+            yield path
+            with suppress(OSError):  # there is none, or a link leads nowhere
+                seen = os.stat(path)  # noqa: PTH116 - there are hundreds
+                yield seen.st_size, seen.st_mtime_ns, seen.st_ctime_ns
 
 
 class _File(NamedTuple):
@@ -167,115 +164,27 @@ def _files_of(folder: str) -> Iterator[_File]:
 # --- entries --------------------------------------------------------------------------------------
 
 
-def _read(path: Path) -> Any:
+def _read(using: _Using, key: str, read: Callable[[Any], R]) -> R | None:
     """Return the result in an entry; None without one whose questions have the same answers."""
     try:
-        with path.open("rb") as file:
-            digest, content = file.readline().strip(), file.read()
-        if digest != _digest(content).encode():
-            return None
-        data = json.loads(content)
-        answers = {(name, at): answer for name, at, answer in data["asked"]}
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
-    asked = DiskAnswers(answers)
-    if not asked.holds():
-        return None
-    asked.repeat()
-    with suppress(OSError):
-        os.utime(path)  # the oldest are removed first
-    return data["result"]
+        data = using.entries.read(key)
+        answers = {(str(name), str(at)): answer for name, at, answer in data["asked"]}
+        asked = DiskAnswers(answers)
+        result = read(data["result"]) if asked.holds() else None
+    except (ValueError, LookupError, TypeError, AttributeError):
+        return None  # there is none, or it is malformed
+    if result is not None:
+        asked.repeat()
+    return result
 
 
-def _written(asked: DiskAnswers, result: Any) -> bytes:
+def _written(asked: DiskAnswers, result: Any) -> dict[str, Any]:
     answers = [[*question, answer] for question, answer in asked.answers.items()]
-    content = json.dumps({"asked": answers, "result": result}).encode()
-    return _digest(content).encode() + b"\n" + content
+    return {"asked": answers, "result": result}
 
 
 def _flush(using: _Using) -> None:
-    """Write the new entries, each atomically, unless the package has changed meanwhile."""
+    """Write the new entries, unless the package has changed meanwhile."""
     waiting, using.waiting = using.waiting, {}
-    if _stamp() != using.stamp or not _made(using.folder):
-        return
-    with suppress(OSError):
-        for key, content in waiting.items():
-            part = using.folder / f"{key}.{os.urandom(4).hex()}{PART}"
-            try:
-                part.write_bytes(content)
-                part.replace(using.folder / key)
-            finally:
-                part.unlink(missing_ok=True)
-        _bound(using.folder)
-
-
-def _digest(content: bytes) -> str:
-    return blake2b(content, digest_size=16).hexdigest()
-
-
-# --- the folder -----------------------------------------------------------------------------------
-
-
-def results_folder() -> Path | None:
-    """Return the folder of the entries, which may not exist; None if nothing is to be kept."""
-    given = os.environ.get(FOLDER_VARIABLE)
-    if given is None:
-        from platformdirs import user_cache_path
-
-        return user_cache_path("pirate_sm", appauthor=False) / "checks"
-    return Path(given).absolute() / "checks" if given else None
-
-
-def _made(folder: Path) -> bool:
-    """Return whether the folder is there, after making it, and only its owner can use it."""
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        folder.mkdir(mode=0o700, exist_ok=True)
-    except OSError:
-        return False
-    return _is_ours(folder)
-
-
-def _is_ours(folder: Path) -> bool:
-    """Return whether a folder is ours, and closed to others."""
-    try:
-        seen = os.lstat(folder)
-    except OSError:
-        return False
-    closed = not stat.S_IMODE(seen.st_mode) & 0o077
-    return stat.S_ISDIR(seen.st_mode) and seen.st_uid == os.geteuid() and closed
-
-
-class KeptEntry(NamedTuple):
-    """An entry in the folder."""
-
-    used_s: float
-    size: int
-    path: str
-
-
-def entries(folder: Path) -> list[KeptEntry]:
-    """Return the entries, those first that have not been used for the longest time."""
-    with suppress(OSError), os.scandir(folder) as inside:
-        ours = [each for each in inside if _ENTRY.fullmatch(each.name)]
-        seen = [(each.stat(follow_symlinks=False), each.path) for each in ours]
-        return sorted(KeptEntry(it.st_mtime, it.st_size, path) for it, path in seen)
-    return []
-
-
-def remove(unwanted: Iterable[KeptEntry]) -> None:
-    """Remove entries.
-
-    Raises:
-        OSError: One cannot be removed.
-    """
-    for each in unwanted:
-        Path(each.path).unlink(missing_ok=True)
-
-
-def _bound(folder: Path) -> None:
-    """Remove the oldest entries if all together are too large."""
-    found = entries(folder)
-    sizes = [*accumulate(each.size for each in reversed(found))]
-    if sizes and sizes[-1] > LARGEST:
-        remove(found[: sum(size > _AFTER_CLEARING for size in sizes)])
+    if _stamp() == using.stamp:
+        using.entries.write(waiting)

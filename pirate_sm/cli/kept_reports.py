@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 from pirate_sm.checking.kept_results import again, kept_results
 from pirate_sm.cli.output.terminal import columns_of, degrade, shows_colour, writable
@@ -18,6 +19,19 @@ line: tuple[str, ...] = ()
 def look() -> tuple[int | None, bool]:
     """Return how wide a report is, and whether it is coloured."""
     return columns_of(), shows_colour(sys.stdout)
+
+
+def read(found: Any) -> tuple[int, str | None]:
+    """Return the exit code and the report from JSON.
+
+    Raises:
+        TypeError: It holds something else.
+        ValueError: It holds more or less.
+    """
+    code, text = found
+    if not isinstance(code, int) or not isinstance(text, str | None):
+        raise TypeError
+    return int(code), text
 
 
 def show(text: str | None) -> None:
@@ -37,7 +51,7 @@ def print_again(arguments: Sequence[str]) -> None:
     if sys.stdout is None:
         return
     with kept_results():
-        found = again(WHAT, (line, *look()))
+        found = again(WHAT, (line, *look()), read)
     if found is None:
         return
     code, text = found

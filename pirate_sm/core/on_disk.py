@@ -247,21 +247,22 @@ def opened(path: Path | str) -> BufferedReader:
     """
     content = _content(path) if _listening.get() else None
     if content is None:
-        return _opened(path)
+        return open_regular(path)
     if len(content) > _LARGEST_NOTED:
         asks_elsewhere()
-        return _opened(path)
+        return open_regular(path)
     return BufferedReader(cast(Any, BytesIO(content)))
 
 
-def _opened(path: Path | str) -> BufferedReader:
+def open_regular(path: Path | str) -> BufferedReader:
+    """Return a regular file as `opened` does, and note nothing."""
     _refuse_irregular(path, os.stat(path))  # noqa: PTH116 - a path may be a text
     return open(path, "rb", opener=_without_waiting)
 
 
 @_question
 def _content(path: Path | str) -> bytes:
-    with _opened(path) as stream:
+    with open_regular(path) as stream:
         return stream.read(_LARGEST_NOTED + 1)
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from pirate_sm.checking import kept_results
 from pirate_sm.cli.options.files import CacheOptions
+from pirate_sm.core import kept_entries
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.visible import visible
 
@@ -14,21 +14,30 @@ def show_cache(options: CacheOptions) -> int:
     """Print where results are kept and how many, or remove them; return the exit code.
 
     Raises:
-        UsageError: They cannot be removed.
+        UsageError: They cannot be removed, or their folder is one that is not used.
     """
-    folder = kept_results.results_folder()
-    if folder is None:
-        print(f"{kept_results.FOLDER_VARIABLE} is empty: no results are kept")
-        return 0
-    entries = kept_results.entries(folder)
-    many = "1 result" if len(entries) == 1 else f"{len(entries)} results"
+    found = kept_entries.results()
+    if found is None:
+        print(f"{kept_entries.FOLDER_VARIABLE} is empty: no results are kept")
+    else:
+        _show(found, "result", options)
+    _show(kept_entries.charts(), "table", options)
+    return 0
+
+
+def _show(kept: kept_entries.Entries, noun: str, options: CacheOptions) -> None:
+    folder, entries = visible(str(kept.folder)), kept.all()
+    if kept.refused():
+        raise UsageError(
+            f"{folder} is not used: it must be your own folder, with mode 0700, and no link"
+        )
+    many = f"1 {noun}" if len(entries) == 1 else f"{len(entries)} {noun}s"
     if options.what == "clear":
         try:
-            kept_results.remove(entries)
+            kept.remove(entries)
         except OSError as error:
-            raise UsageError(f"results in {folder} cannot be removed: {error.strerror}") from None
-        print(f"{many} removed from {visible(str(folder))}")
-        return 0
-    size, most = sum(each.size for each in entries) / _MIB, kept_results.LARGEST / _MIB
-    print(f"{visible(str(folder))}: {many}, {size:.1f} of at most {most:.0f} MiB")
-    return 0
+            raise UsageError(f"{noun}s in {folder} cannot be removed: {error.strerror}") from None
+        print(f"{many} removed from {folder}")
+        return
+    size, most = sum(each.size for each in entries) / _MIB, kept_entries.LARGEST / _MIB
+    print(f"{folder}: {many}, {size:.1f} of at most {most:.0f} MiB")

@@ -27,6 +27,6 @@ def run_check(options: CheckOptions) -> int:
         code, text = checked()  # more comes of it than a text
     else:
         inputs = kept_reports.line or astuple(options), columns, coloured
-        code, text = kept(kept_reports.WHAT, inputs, checked)
+        code, text = kept(kept_reports.WHAT, inputs, checked, kept_reports.read)
     kept_reports.show(text)
-    return int(code)
+    return code

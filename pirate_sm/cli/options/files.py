@@ -255,7 +255,7 @@ class CacheOptions(CommandOptions):
     `pirate check`, and the check before a simulated run, use a result again while all files that it
     depends on are as they were. The oldest are removed as they become too many.
 
-    Exit codes: 0 shown or cleared, 2 they cannot be removed.
+    Exit codes: 0 shown or cleared, 2 the folder cannot be used.
     """
 
     what: Literal["show", "clear"] = argument(

@@ -28,8 +28,10 @@ from pirate_sm.cli.commands.cache import show_cache
 from pirate_sm.cli.commands.check import run_check
 from pirate_sm.cli.options.checks import CheckOptions
 from pirate_sm.cli.options.files import CacheOptions
+from pirate_sm.core import kept_entries as store
 from pirate_sm.core.documents import FileKind
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.kept_entries import Entries
 from pirate_sm.core.loading import load_mission, load_robot
 from pirate_sm.core.on_disk import DiskAnswers, asks_elsewhere, is_file, listed, noting, opened
 
@@ -48,6 +50,10 @@ ends:
 """
 
 
+SOUND = "pirate_sm.core._loading.robot.loader._SOUND"
+"""The robots that this process has loaded, whose charts are not looked for again."""
+
+
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A project of a small robot, which is the working folder."""
@@ -59,7 +65,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         text = SHORT.format(name=name, robot="../hardware_profiles/newt", pipe="elbow")
         (folder / "sequences" / f"{name}.yaml").write_text(text, "utf-8")
     monkeypatch.chdir(folder)
-    monkeypatch.setenv(kept.FOLDER_VARIABLE, str(tmp_path / "kept"))
+    monkeypatch.setenv(store.FOLDER_VARIABLE, str(tmp_path / "kept"))
     monkeypatch.setattr(kept, "_BEGAN_S", inf)  # the package does not change while it is tested
     return folder
 
@@ -156,11 +162,11 @@ def test_the_check_before_a_simulated_run_is_kept(here, folder):
     loaded = load_mission(Path("sequences/one.yaml"))
     with kept.kept_results():
         found = pass_or_raise(loaded, backend="sim")
-        entries = kept.entries(folder)
+        entries = Entries(folder).all()
         assert pass_or_raise(load_mission(Path("sequences/one.yaml")), backend="sim") == found
 
     assert len(entries) == 1
-    assert kept.entries(folder)[0].path == entries[0].path
+    assert Entries(folder).all()[0].path == entries[0].path
 
 
 def test_what_may_reach_a_robot_is_always_checked_afresh(here, folder):
@@ -168,7 +174,7 @@ def test_what_may_reach_a_robot_is_always_checked_afresh(here, folder):
         for backend in ("serial", "somebodys", ""):
             pass_or_raise(load_mission(Path("sequences/one.yaml")), backend=backend)
 
-    assert kept.entries(folder) == []
+    assert Entries(folder).all() == []
 
 
 def test_a_mission_that_was_changed_after_it_was_loaded_is_not_what_was_kept(here, folder):
@@ -178,7 +184,7 @@ def test_a_mission_that_was_changed_after_it_was_loaded_is_not_what_was_kept(her
     assert not changed.origin
     with kept.kept_results():
         pass_or_raise(changed, backend="sim")
-    assert kept.entries(folder) == []
+    assert Entries(folder).all() == []
 
 
 def test_errors_refuse_a_run_also_from_a_file(here):
@@ -236,6 +242,110 @@ def test_an_entry_that_is_damaged_is_made_again(here, folder, report, made, harm
     assert made == []
 
 
+def test_the_first_result_is_used_again_though_no_chart_was_explored_before(
+    here, report, made, monkeypatch
+):
+    monkeypatch.setattr(SOUND, {})
+    report()
+    made.clear()
+    report()
+    assert made == []
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        *(b"5", b"[]", b"{}", b'{"asked": []}', b'{"asked": [], "result": 5}', b"[" * 100_000),
+        *(b'{"asked": [], "result": [0]}', b'{"asked": [], "result": ["a", 5]}'),
+        *(b'{"asked": [[]], "result": [0, "a"]}', b'{"asked": [["is_art", "", ""]], "result": 0}'),
+        b'{"asked": [["is_file", 5, ""]], "result": [0, "a"]}',
+        b'{"asked": [["is_file", "a\\u0000\\ud800", ""]], "result": [0, "a"]}',
+    ],
+)
+def test_an_entry_of_another_form_is_made_again(here, folder, report, made, content):
+    first = report()
+    for each in folder.iterdir():
+        each.write_bytes(store._signature(each.name, content) + b"\n" + content)
+    made.clear()
+
+    assert report() == first
+    assert made
+
+
+def test_an_entry_under_another_key_is_made_again(here, folder, report):
+    first = report(paths=["sequences/one.yaml"])
+    content = {each.name: each.read_bytes() for each in folder.iterdir()}
+    for name in content:
+        (folder / name).write_bytes(next(it for key, it in content.items() if key != name))
+
+    assert report(paths=["sequences/one.yaml"]) == first
+
+
+@pytest.mark.timeout(30)
+def test_an_entry_that_became_a_named_pipe_is_made_again(here, folder, report, made):
+    first = report()
+    for each in [*folder.iterdir()]:
+        each.unlink()
+        os.mkfifo(each)
+    made.clear()
+
+    assert report() == first
+    assert made
+    assert all(each.is_file() for each in folder.iterdir())
+
+
+def test_an_entry_that_cannot_be_written_keeps_no_other_from_being_written(here, folder, report):
+    report()
+    found = [Path(each.path) for each in Entries(folder).all()]
+    for each in found:
+        each.unlink()
+    found[0].mkdir()
+    report()
+    assert {Path(each.path) for each in Entries(folder).all()} == {*found[1:]}
+
+
+def test_an_entry_that_vanishes_leaves_the_others(here, folder, report, monkeypatch):
+    report()
+    found = Entries(folder).all()
+    gone, scan = found[0].path, os.scandir
+
+    class Scanned(list[Any]):
+        def __enter__(self) -> Scanned:
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+    def scanned(path: Any) -> Scanned:
+        inside = Scanned(scan(path))
+        Path(gone).unlink(missing_ok=True)
+        return inside
+
+    monkeypatch.setattr(os, "scandir", scanned)
+    assert Entries(folder).all() == found[1:]
+
+
+def test_without_a_working_folder_nothing_is_kept(here, tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    monkeypatch.setenv(store.FOLDER_VARIABLE, "rel")
+    (tmp_path / "gone").rmdir()
+    with kept.kept_results():
+        assert kept.kept("it", (), lambda: 1, int) == 1
+    assert show_cache(CacheOptions()) == 0
+
+
+def test_a_folder_that_comes_into_being_is_not_used_if_it_is_open(here, folder, report, made):
+    report()
+    kept_there = folder.rename(folder.with_name("away"))
+    made.clear()
+    with kept.kept_results():
+        kept_there.rename(folder)
+        folder.chmod(0o755)
+        run_check(CheckOptions(format="json"))
+    assert made
+
+
 def test_where_nothing_can_be_written_nothing_is_kept(here, folder, report, monkeypatch):
     expected = report(keep=False)
     folder.parent.write_text("in the way", "utf-8")
@@ -249,7 +359,7 @@ def test_where_nothing_can_be_written_nothing_is_kept(here, folder, report, monk
 
 
 def test_nothing_is_kept_if_the_variable_is_empty(here, folder, report, made, monkeypatch):
-    monkeypatch.setenv(kept.FOLDER_VARIABLE, "")
+    monkeypatch.setenv(store.FOLDER_VARIABLE, "")
     report()
     made.clear()
     report()
@@ -263,13 +373,13 @@ def test_the_oldest_are_removed_and_files_of_others_stay(here, folder, report, m
     old = folder / ("0" * 32)
     old.write_text("x" * 10_000, "utf-8")
     os.utime(old, (1, 1))
-    total = sum(each.size for each in kept.entries(folder))
-    monkeypatch.setattr(kept, "LARGEST", total)
-    monkeypatch.setattr(kept, "_AFTER_CLEARING", total - 10_000)
+    total = sum(each.size for each in Entries(folder).all())
+    monkeypatch.setattr(store, "LARGEST", total)
+    monkeypatch.setattr(store, "_AFTER_CLEARING", total - 10_000)
     swap(here / "sequences" / "one.yaml", ("HoldTail", "HoldNose"))
     report()
 
-    left = kept.entries(folder)
+    left = Entries(folder).all()
     assert 0 < sum(each.size for each in left) <= total - 10_000
     assert not old.exists()
     assert (folder / "notes.txt").exists()
@@ -278,8 +388,8 @@ def test_the_oldest_are_removed_and_files_of_others_stay(here, folder, report, m
 def test_what_another_package_looks_at_is_not_kept(here, folder):
     with kept.kept_results():
         for _ in range(2):
-            assert kept.kept("it", (), lambda: [asks_elsewhere()]) == [None]
-    assert kept.entries(folder) == []
+            assert kept.kept("it", (), lambda: [asks_elsewhere()], list) == [None]
+    assert Entries(folder).all() == []
 
 
 def test_a_file_that_had_two_contents_while_it_was_read_is_not_kept(here, folder):
@@ -291,8 +401,8 @@ def test_a_file_that_had_two_contents_while_it_was_read_is_not_kept(here, folder
         return 1
 
     with kept.kept_results():
-        kept.kept("it", (), changing)
-    assert kept.entries(folder) == []
+        kept.kept("it", (), changing, int)
+    assert Entries(folder).all() == []
 
 
 def test_a_package_that_changes_keeps_nothing(here, folder, report, monkeypatch):
@@ -301,11 +411,20 @@ def test_a_package_that_changes_keeps_nothing(here, folder, report, monkeypatch)
     assert not folder.exists()
 
 
-@pytest.mark.parametrize("what", ["version", "path", "environment", "folder"])
+@pytest.mark.parametrize("what", ["version", "path", "entry points", "environment", "folder"])
 def test_a_result_is_of_one_environment(here, folder, made, report, monkeypatch, tmp_path, what):
+    installed = tmp_path / "first" / "detector-1.0.dist-info"
+    installed.mkdir(parents=True)
+    (installed / "entry_points.txt").write_text("[pirate_sm.detectors]", "utf-8")
+    (installed.with_name("a.pth")).symlink_to("nowhere")  # keeps nothing else from being seen
+    monkeypatch.setattr(sys, "path", [*sys.path, str(installed.parent)])
     report()
     made.clear()
+    report()
+    assert made == []
     match what:
+        case "entry points":
+            (installed / "entry_points.txt").write_text("[pirate_sm.detectors]\na = b:c", "utf-8")
         case "version":
             monkeypatch.setattr(sys, "version", "4.0")
         case "path":
@@ -380,7 +499,7 @@ def _watched(beside: set[tuple[str, str]], *paths: str) -> None:
     with noting() as second:
         check_paths(paths, wishes)
 
-    cache = str(Path.home() / ".cache")
+    cache = str(store.charts().folder.parent)
     assert {each for each in beside if not each[1].startswith(cache)} == set()
     package = str(Path(pirate_sm.__file__).parent)
     of_project = [key for key in first.answers if not key[1].startswith(package)]
@@ -437,8 +556,9 @@ steps: [{command: "graph sequences/one.yaml -o {out}/one.svg"}]
 
 BESIDE = {
     "core/library.py": "where this package is",
-    "core/_loading/chart_exploration.py": "tables of charts, which are the same with and without",
-    "checking/kept_results.py": "what is kept, and the package",
+    "core/_loading/chart_exploration.py": "itself, for the key of a table",
+    "core/kept_entries.py": "what is kept, which is the same with and without",
+    "checking/kept_results.py": "the package and what is installed",
     "checking/reports/check_report.py": "writes files",
     "checking/reports/counterexamples.py": "writes files",
     "lab/campaign/campaign_file.py": "a mission instead of a campaign, which is not checked",
@@ -636,21 +756,43 @@ def test_an_option_keeps_nothing(here, folder):
     assert not folder.exists()
 
 
-def test_kept_results_are_shown_and_cleared(here, folder, report, capsys):
+def test_kept_results_are_shown_and_cleared(here, folder, report, capsys, monkeypatch):
+    monkeypatch.setattr(SOUND, {})
     report()
     (folder / "notes.txt").touch()
-    many = len(kept.entries(folder))
+    many = len(Entries(folder).all())
     assert show_cache(CacheOptions()) == 0
-    assert f"{folder}: {many} results, 0." in capsys.readouterr().out
+    shown, charts = capsys.readouterr().out, folder.with_name("charts")
+    assert f"{folder}: {many} results, 0." in shown
+    assert f"{charts}: 1 table, 0." in shown
     assert show_cache(CacheOptions(what="clear")) == 0
-    assert capsys.readouterr().out == f"{many} results removed from {folder}\n"
+    removed = f"{many} results removed from {folder}\n1 table removed from {charts}\n"
+    assert capsys.readouterr().out == removed
     assert [each.name for each in folder.iterdir()] == ["notes.txt"]
+    assert [*charts.iterdir()] == []
 
 
 def test_without_a_folder_there_is_nothing_to_show(here, monkeypatch, capsys):
-    monkeypatch.setenv(kept.FOLDER_VARIABLE, "")
+    monkeypatch.setenv(store.FOLDER_VARIABLE, "")
     assert show_cache(CacheOptions()) == 0
-    assert capsys.readouterr().out == "PIRATE_SM_CACHE is empty: no results are kept\n"
+    assert "PIRATE_SM_CACHE is empty: no results are kept\n" in capsys.readouterr().out
+
+
+def test_what_a_link_leads_to_is_not_cleared(here, folder, report, tmp_path):
+    report()
+    folder.rename(tmp_path / "foreign")
+    folder.symlink_to(tmp_path / "foreign")
+    many = len([*(tmp_path / "foreign").iterdir()])
+    with pytest.raises(UsageError, match="is not used: it must be your own folder"):
+        show_cache(CacheOptions(what="clear"))
+    assert len([*(tmp_path / "foreign").iterdir()]) == many
+
+
+def test_a_folder_with_the_name_of_an_entry_stays(here, folder, report):
+    report()
+    (folder / ("0" * 32)).mkdir()
+    assert show_cache(CacheOptions(what="clear")) == 0
+    assert [each.name for each in folder.iterdir()] == ["0" * 32]
 
 
 def test_results_that_cannot_be_removed_are_an_error(here, report, monkeypatch):

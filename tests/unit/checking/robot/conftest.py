@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 from pirate_sm.core._loading import chart_exploration as chart_cache
+from pirate_sm.core.kept_entries import Entries
 
 
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path_factory.getbasetemp() / "cache"
-    monkeypatch.setattr(chart_cache, "cache_folder", lambda: folder)
+    monkeypatch.setattr(chart_cache, "charts", lambda: Entries(folder))

@@ -16,6 +16,7 @@ from pirate_sm.core._loading.mission.loader import LoadedMission, load_mission
 from pirate_sm.core._loading.problems import LoadError
 from pirate_sm.core._loading.robot.loader import LoadedRobot, load_robot
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.kept_entries import Entries
 
 ROOT = Path(__file__).resolve().parents[4]
 NEWT = ROOT / "tests" / "robots" / "newt"
@@ -25,7 +26,7 @@ NEWT = ROOT / "tests" / "robots" / "newt"
 def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Explored charts are kept where no other test and no user sees them."""
     folder = tmp_path_factory.getbasetemp() / "cache"
-    monkeypatch.setattr(chart_cache, "cache_folder", lambda: folder)
+    monkeypatch.setattr(chart_cache, "charts", lambda: Entries(folder))
     return folder
 
 

@@ -22,6 +22,8 @@ from pirate_sm.core._loading.chart_outline import outline_chart
 from pirate_sm.core._loading.problems import LoadError, Problems
 from pirate_sm.core._loading.robot.loader import load_robot
 from pirate_sm.core._loading.yaml.document import parse_document, read_document
+from pirate_sm.core.kept_entries import Entries, _signature
+from pirate_sm.core.on_disk import noting
 
 ROOT = Path(__file__).resolve().parents[4]
 PIRATE = ROOT / "hardware_profiles" / "pirate_ii"
@@ -479,7 +481,7 @@ def test_a_command_is_refused_with_the_states_that_a_compound_one_stands_for(tmp
 @pytest.fixture
 def fresh_cache(tmp_path, monkeypatch):
     folder = tmp_path / "cache"
-    monkeypatch.setattr(chart_cache, "cache_folder", lambda: folder)
+    monkeypatch.setattr(chart_cache, "charts", lambda: Entries(folder))
     return folder
 
 
@@ -493,38 +495,69 @@ def test_the_second_time_the_library_is_not_needed(fresh_cache, monkeypatch):
 @pytest.mark.parametrize(
     "spoil",
     [
-        lambda text: "",
-        lambda text: text[: len(text) // 2],
-        lambda text: "[" * 100_000,
-        lambda text: "[]",
-        lambda text: "{}",
-        lambda text: "\ud800".encode("utf-8", "surrogatepass"),
-        lambda text: text.replace('"Resting"', '"Restless"'),
-        lambda text: text.replace('"HoldNose"', '"HoldNothing"', 1),
-        lambda text: json.dumps({**json.loads(text), "following": [[0]]}),
-        lambda text: json.dumps({**json.loads(text), "following": [[999] * 9] * 20}),
-        lambda text: json.dumps({**json.loads(text), "following": [[0.5] * 9] * 20}),
-        lambda text: json.dumps({**json.loads(text), "refusals": [[99] * 9] * 20}),
-        lambda text: json.dumps({**json.loads(text), "configurations": []}),
-        lambda text: json.dumps({**json.loads(text), "configurations": [["Loose"]] * 20}),
-        lambda text: json.dumps({**json.loads(text), "configurations": 5}),
-        lambda text: json.dumps({**json.loads(text), "reasons": [5] * 99}),
+        lambda content: b"",
+        lambda content: content[: len(content) // 2],
+        lambda content: content.replace(b'"Resting"', b'"Restless"'),
+        lambda content: content.replace(b"[[0", b"[[1"),
     ],
 )
-def test_a_cache_that_cannot_be_right_is_done_without(fresh_cache, spoil):
+def test_a_table_that_is_damaged_is_made_again(fresh_cache, spoil):
     right = table_of(NEWT)
-    for file in fresh_cache.glob("*.json"):
-        spoilt = spoil(file.read_text("utf-8"))
-        file.write_bytes(spoilt if isinstance(spoilt, bytes) else spoilt.encode())
+    (file,) = fresh_cache.iterdir()
+    whole = file.read_bytes()
+    file.write_bytes(spoil(whole))
+    assert file.read_bytes() != whole
 
     assert table_of(NEWT) == right
+    assert file.read_bytes() == whole
+
+
+@pytest.mark.parametrize(
+    "content", [b"[" * 100_000, b"[]", b"{}", b"5", b'{"regions": 5}', b"\xed"]
+)
+def test_an_entry_that_is_no_table_is_done_without(fresh_cache, content):
+    right = table_of(NEWT)
+    (file,) = fresh_cache.iterdir()
+    file.write_bytes(_signature(file.name, content) + b"\n" + content)
+
+    assert table_of(NEWT) == right
+
+
+def test_the_table_of_another_chart_is_not_taken(fresh_cache):
+    table_of(PIRATE)
+    (other,) = fresh_cache.iterdir()
+    right = table_of(NEWT)
+    (file,) = set(fresh_cache.iterdir()) - {other}
+    shutil.copy(other, file)
+
+    assert table_of(NEWT) == right
+
+
+def test_tables_are_kept_in_a_folder_that_is_closed_to_others(fresh_cache):
+    right = table_of(NEWT)
+    assert fresh_cache.stat().st_mode & 0o777 == 0o700
+    (file,) = fresh_cache.iterdir()
+    file.write_bytes(b"")
+    fresh_cache.chmod(0o755)
+
+    assert table_of(NEWT) == right
+    assert file.read_bytes() == b""
+
+
+def test_whether_a_table_was_kept_is_no_question_of_a_check(fresh_cache):
+    with noting() as first:
+        table_of(NEWT)
+    with noting() as second:
+        table_of(NEWT)
+
+    assert first.answers == second.answers
 
 
 def test_a_cache_that_cannot_be_written_is_done_without(fresh_cache, monkeypatch, tmp_path):
     right = table_of(NEWT)
     blocked = tmp_path / "file"
     blocked.write_text("no folder")
-    monkeypatch.setattr(chart_cache, "cache_folder", lambda: blocked / "cache")
+    monkeypatch.setattr(chart_cache, "charts", lambda: Entries(blocked / "cache"))
 
     assert table_of(NEWT) == right
 
