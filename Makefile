@@ -29,7 +29,7 @@ help:
 	@echo "make test-cluster  campaigns on a Dask cluster of processes, some of which are killed"
 	@echo "make test-built  the simulator's machine code, and the package as it is installed"
 	@echo "make test-wheel  the wheel in dist/ in an empty environment: a mission, its report, a scene"
-	@echo "make test-pty the conformance suite, the guide to a real robot and ten tasks at the console in real time, over pseudo-terminals"
+	@echo "make test-pty the conformance suite, the firmware, the guide to a real robot and ten tasks at the console in real time, over pseudo-terminals"
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
 	@echo "make campaigns  what campaigns cost: two workers beside one, the client, memory; and one that is disturbed beside one left alone"
@@ -98,7 +98,7 @@ check: $(VENV)/.ready-dev
 	$(BIN)/lint-imports
 
 test-pty: $(VENV)/.ready-dev
-	$(BIN)/python -m pytest -m slow tests/conformance tests/test_how_to.py tests/console/test_ten_tasks.py
+	$(BIN)/python -m pytest -m slow tests/conformance tests/firmware tests/test_how_to.py tests/console/test_ten_tasks.py
 
 test-cluster: $(VENV)/.ready-dev
 	$(BIN)/python -m pytest -m slow tests/unit/lab/campaign
