@@ -263,6 +263,9 @@ _CHORD_RAD = pi / 12
 _TOUCH_M = 1e-3
 """Pipes that overlap by less only touch."""
 
+_NO_LENGTH_M = 1e-9
+"""What rounding leaves of a piece that is as long as it is wide has no direction."""
+
 
 def crossings(network: Network, placement: Placement) -> Iterator[tuple[Piece, Piece]]:
     """Yield the pairs of pieces whose pipes run into each other.
@@ -335,7 +338,7 @@ def _axis(piece: Piece) -> list[Vector]:
     """Return points of a piece's shortened axis; none of a piece that is too short."""
     radius = _widest(piece) / 2
     first, last = piece.arc_m + radius, piece.ends_m - radius
-    if last <= first:
+    if last - first < _NO_LENGTH_M:
         return []
     chords = 1 if piece.arc is None else ceil(piece.arc.angle_rad / _CHORD_RAD)
     step = (last - first) / chords

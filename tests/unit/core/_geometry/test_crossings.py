@@ -75,6 +75,8 @@ def of_all_pairs(made: Network) -> list[tuple[Piece, Piece]]:
 
 @given(st.lists(RUNS, min_size=1, max_size=3))
 @example([[(Straight(1.0), Elbow(pi / 2, 0.2))] * 4])  # a ring
+# An elbow as long as it is wide, but for rounding.
+@example([[*[(Straight(1.0), Mitre(pi / 2))] * 3, (Straight(1.0), Elbow(0.6, 0.2))]])
 def test_a_round_pipe_runs_into_itself_where_all_pairs_say_so(
     runs: list[list[tuple[Segment, Segment]]],
 ) -> None:
