@@ -21,10 +21,6 @@ from pirate_sm.simulation.arrays import Floats
 # Assumed, not measured: enough damping that a free bend joint swings once.
 JOINT_DAMPING_NMS_RAD = 0.02
 
-SLIDING_SLIP = 0.1
-"""Slip at which a rolling wheel slides; below, it creeps in proportion to the force (brush model of
-a tyre: Pacejka, Tire and Vehicle Dynamics, chapter 3) [assumed]."""
-
 
 @dataclass(frozen=True)
 class WheelBody:

@@ -11,7 +11,7 @@ from pirate_sm.core.geometry import Vector, crossed, dot
 from pirate_sm.core.models import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mujoco.model_text import BEND, LINK, OBSTACLE, WHEEL
-from pirate_sm.simulation.mujoco.tyres import Tyres
+from pirate_sm.simulation.mujoco.tyre_edges import TyreEdges
 from pirate_sm.simulation.physics import ChainBody, QuantityLayout, StartPose
 
 # --- motors --------------------------------------------------------------------------------------
@@ -153,7 +153,7 @@ class WheelContacts:
         chain: The robot.
         friction: Of every wheel.
         quantities: Where the quantities are written.
-        tyres: What else a wheel does than stick or slide, if it does.
+        edges: Turn the axles of wheels that lean, if any can.
     """
 
     def __init__(
@@ -163,7 +163,7 @@ class WheelContacts:
         chain: ChainBody,
         friction: Friction,
         quantities: Floats,
-        tyres: Tyres | None,
+        edges: TyreEdges | None,
     ) -> None:
         self._data = data
         n, layout = chain.nodes, QuantityLayout(chain.nodes)
@@ -183,7 +183,7 @@ class WheelContacts:
         self._slips = np.zeros(n)
         self._spin_radius_m = chain.spin_radius_m
         self._touches = model.pair_friction.reshape(n, -1, 5)
-        self._tyres = tyres
+        self._edges = edges
         self._set_friction()
 
     def let_grip(self, wheel: int, static: float, kinetic: float) -> None:
@@ -194,9 +194,8 @@ class WheelContacts:
         """Write press and grip after a cycle, and set each wheel's friction for the next one."""
         n = len(self.static)
         press, grip, strongest = [0.0] * n, [0.0] * n, [0.0] * n
-        frictions, yields, normals = [0.0] * n, [0.0] * n, [(0.0, 0.0, 0.0)] * n
+        normals = [(0.0, 0.0, 0.0)] * n
         contact, forces = self._data.contact, self._data.efc_force
-        softness = self._data.efc_R
         axles = self._data.xmat[self._bodies, 2::3].tolist()
         for (one, other), address, frame in zip(
             contact.geom.tolist(), contact.efc_address.tolist(), contact.frame.tolist(), strict=True
@@ -215,16 +214,14 @@ class WheelContacts:
             grip[wheel] += sign * along
             if push > strongest[wheel]:
                 strongest[wheel], normals[wheel] = push, normal
-                frictions[wheel] = self._friction[wheel] * push
-                yields[wheel] = float(softness[address + 1])
                 # A wheel that sticks creeps a little; it slips where its friction is exhausted.
-                slips = hypot(first_n, second_n) >= _REACHED * frictions[wheel]
+                slips = hypot(first_n, second_n) >= _REACHED * self._friction[wheel] * push
                 self._slips[wheel] = self._slip(wheel, normal) if slips else 0.0
         self._press[:] = press
         self._grip[:] = grip
         self._set_friction()
-        if self._tyres is not None:
-            self._tyres.roll(frictions, yields, normals)
+        if self._edges is not None:
+            self._edges.turn_axles(normals)
 
     def _set_friction(self) -> None:
         beyond = self._slips / self._threshold_m_s - 1.0

@@ -245,7 +245,7 @@ def _add_wheel(
 
 
 def add_touches(contact: Element, world: Element, chain: ChainBody, margin_m: float) -> None:
-    """Let each wheel touch each wall: pairs, wheel by wheel, that may differ in how they creep."""
+    """Let each wheel touch each wall: pairs, wheel by wheel, which MuJoCo tests sooner."""
     walls = world.findall("geom")
     for number, wall in enumerate(walls):
         wall.set("name", f"{WALL}{number}")

@@ -15,7 +15,7 @@ from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mujoco.forces import Motors, WheelContacts
 from pirate_sm.simulation.mujoco.model_text import LINK, OBSTACLE, WHEEL, model_text
 from pirate_sm.simulation.mujoco.roll import RollInPlane, RollInSpace
-from pirate_sm.simulation.mujoco.tyres import Tyres
+from pirate_sm.simulation.mujoco.tyre_edges import TyreEdges
 from pirate_sm.simulation.physics import ChainBody, QuantityLayout, StartPose
 from pirate_sm.simulation.start_pose import lying
 
@@ -123,8 +123,8 @@ class MujocoWorld:
         self._arc = out[layout.block("arc")]
         self._wheels = np.array([model.body(f"{WHEEL}{i}").id for i in range(n)], dtype=np.intp)
         self._motors = Motors(model, data, chain, pose, out)
-        tyres = Tyres(model, data, chain, cycle_s) if space else None
-        self._contacts = WheelContacts(model, data, chain, friction, out, tyres)
+        edges = TyreEdges(model, data, chain) if space else None
+        self._contacts = WheelContacts(model, data, chain, friction, out, edges)
         self._unit = InertialUnit(model, data, chain, out)
         self._roll: RollInPlane | RollInSpace
         if space:
