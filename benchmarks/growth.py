@@ -76,7 +76,7 @@ ON = (
     "starts_in: {BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}\n"
     "ends: {e: {succeed: ok}, f: {fail: bad}}\n"
 )
-"""Through one elbow after the other, as long as somebody wants."""
+"""Through one elbow after the other, for any distance."""
 
 CALLED = (
     f"{HEAD}start: a\nphases:\n  a:\n    do: [ToggleLighting, ToggleLighting]\n"

@@ -10,7 +10,7 @@
 
 struct Array {
   uint32_t id;                    // as on the wire, with the mask if it is in there
-  uint32_t hold;                  // the mask as it came; `held()` is what it means
+  uint32_t hold;                  // the mask as received; `held()` is what it means
   int16_t values[robot::SLOTS];   // in counts of the wire
 
   // The array in force before the first one came: every motor at rest, and the slots whose boards

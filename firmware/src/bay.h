@@ -19,7 +19,7 @@ class Bay {
       : node_(in, out), cycle_(boards, node_), kept_(kept), in_force_(Array::at_rest()) {}
 
   // Sets up, once, after a restart with these flags. By hand, every motor is set to rest. After a
-  // hang the held slots are as they were and all others at zero. If nobody knows why, held slots are
+  // hang the held slots are as they were and all others at zero. If the cause is unknown, held slots are
   // left alone, because a clamp that lets go drops the robot, and all others are at zero.
   void start(uint8_t reset_flags);
 

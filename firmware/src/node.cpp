@@ -90,7 +90,7 @@ void Node::obey(Ticks now) {
     case TX_STOP:
       configured_ = false;
       break;
-    default:  // nobody listens to it
+    default:  // no subscriber
       break;
   }
 }

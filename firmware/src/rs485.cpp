@@ -69,7 +69,7 @@ Boards::Outcome Rs485::outcome(Ticks now, Answer& answer) {
   const uint8_t whole = HEAD_BYTES + bytes_ + CRC_BYTES;
   while (!port_.talking && !port_.in.empty() && filled_ < whole) {
     const uint8_t byte = port_.in.get();
-    if (filled_ > 0 || byte == MARK) answer_[filled_++] = byte;  // noise while nobody drives the bus
+    if (filled_ > 0 || byte == MARK) answer_[filled_++] = byte;  // noise on an idle bus
   }
   if (filled_ == whole) {
     const bool right = unpack(answer);

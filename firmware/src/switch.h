@@ -1,4 +1,4 @@
-// The dead man's switch: nobody has spoken for too long (docs/firmware.md).
+// The dead man's switch: no array has come for too long (docs/firmware.md).
 #pragma once
 
 #include "../robot.h"

@@ -98,7 +98,7 @@ TEST(a_mask_without_slots_that_are_always_held_is_none_and_everything_that_may_b
     }
     Bytes echo(ARRAY_BYTES);
     array.write(echo.data());
-    CHECK(read_of(echo).hold == mask);  // it is echoed as it came
+    CHECK(read_of(echo).hold == mask);  // it is echoed as received
   }
 }
 

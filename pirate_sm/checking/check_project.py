@@ -124,7 +124,7 @@ class _Project:
                 findings += FileCheck(self._wishes).reached(Path(part.pipe), robots)
         listed = [part.called for part in parts if part.called is not None]
         called = {name for names in listed for name in names} if len(listed) == len(parts) else None
-        if called:  # a called mission begins wherever its callers have come to
+        if called:  # a called mission begins where its callers are
             findings = [
                 each
                 for each in findings

@@ -137,7 +137,7 @@ def _installed(place: str) -> Iterator[Any]:
     for each in named:
         for path in (each, f"{each}/entry_points.txt"):
             yield path
-            with suppress(OSError):  # there is none, or a link leads nowhere
+            with suppress(OSError):  # it is absent, or a dangling link
                 seen = os.stat(path)  # noqa: PTH116 - there are hundreds
                 yield seen.st_size, seen.st_mtime_ns, seen.st_ctime_ns
 

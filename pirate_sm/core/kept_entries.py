@@ -1,8 +1,8 @@
 """Keeps in folders of the user's cache what takes long: results of checks, and tables of charts.
 
-A folder is only for its owner, or it is not used, and nothing in it is trusted more than that: an
-entry is text with a digest of itself and of its key. One that cannot be used is made again, and
-where nothing can be written nothing is kept.
+A folder is used only if it is the user's and closed to others. An entry is text with a digest of
+itself and of its key. One that cannot be used is made again, and where nothing can be written
+nothing is kept.
 
 What is asked of the disk here is not noted (`on_disk.py`): a result is the same without it.
 """

@@ -189,7 +189,7 @@ class AvrBay:
         self.controller.does("reset")
 
     def close(self, now_s: float) -> None:
-        """Close the port; the bay goes on, and what it sends is lost."""
+        """Close the port; the bay keeps running, and what it sends is lost."""
         self.advance(now_s)
         self.connected = False
 

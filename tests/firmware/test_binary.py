@@ -195,7 +195,7 @@ def array(number: int, counts: Sequence[int], hold: int) -> bytes:
 
 
 class Speaker:
-    """A host that says what it is told, and nothing by itself but the time."""
+    """A host that sends given frames, and answers requests for the time."""
 
     def __init__(self, built: Built) -> None:
         profile, _ = of(SIX_WHEELED)

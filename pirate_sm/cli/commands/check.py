@@ -18,15 +18,15 @@ def run_check(options: CheckOptions) -> int:
     """
     columns, coloured = kept_reports.look()
 
-    def checked() -> tuple[int, str | None]:
-        from pirate_sm.cli.commands import checked
+    def afresh() -> tuple[int, str | None]:
+        from pirate_sm.cli.commands.fresh_check import fresh_check
 
-        return checked.checked(options, columns, coloured=coloured)
+        return fresh_check(options, columns, coloured=coloured)
 
     if options.fix or options.diff or options.rehearse or options.counterexamples is not None:
-        code, text = checked()  # more comes of it than a text
+        code, text = afresh()  # it does more than print
     else:
         inputs = kept_reports.line or astuple(options), columns, coloured
-        code, text = kept(kept_reports.WHAT, inputs, checked, kept_reports.read)
+        code, text = kept(kept_reports.WHAT, inputs, afresh, kept_reports.read)
     kept_reports.show(text)
     return code

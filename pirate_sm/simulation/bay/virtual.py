@@ -140,7 +140,7 @@ class VirtualBay:
         self._reset(now_s, "the port was opened")
 
     def close(self, now_s: float) -> None:
-        """Close the port; the bay goes on, and what it sends is lost."""
+        """Close the port; the bay keeps running, and what it sends is lost."""
         self._run(now_s)
         self._line.hang_up()
         self._log(Record(now_s, "closed"))

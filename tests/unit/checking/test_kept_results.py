@@ -23,7 +23,7 @@ from pirate_sm.checking.check_file import FileCheck
 from pirate_sm.checking.check_project import check_paths
 from pirate_sm.checking.file_part import Wishes
 from pirate_sm.checking.gate import CheckError, pass_or_raise
-from pirate_sm.cli.commands import checked
+from pirate_sm.cli.commands import fresh_check
 from pirate_sm.cli.commands.cache import show_cache
 from pirate_sm.cli.commands.check import run_check
 from pirate_sm.cli.options.checks import CheckOptions
@@ -97,7 +97,7 @@ def report(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str]]
 
 @pytest.fixture
 def made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The files that are really checked, as they are."""
+    """The files that are checked, unchanged."""
     names: list[str] = []
     part = FileCheck.part
     monkeypatch.setattr(
@@ -416,7 +416,7 @@ def test_a_result_is_of_one_environment(here, folder, made, report, monkeypatch,
     installed = tmp_path / "first" / "detector-1.0.dist-info"
     installed.mkdir(parents=True)
     (installed / "entry_points.txt").write_text("[pirate_sm.detectors]", "utf-8")
-    (installed.with_name("a.pth")).symlink_to("nowhere")  # keeps nothing else from being seen
+    (installed.with_name("a.pth")).symlink_to("nowhere")  # must not hide what else is installed
     monkeypatch.setattr(sys, "path", [*sys.path, str(installed.parent)])
     report()
     made.clear()
@@ -511,9 +511,9 @@ def _watched(beside: set[tuple[str, str]], *paths: str) -> None:
 def _wishes() -> Any:
     return Wishes(
         others={
-            FileKind.EXPERIMENT: checked._check_experiment,
-            FileKind.CAMPAIGN: checked._check_campaign,
-            FileKind.SCENE: checked._check_scene,
+            FileKind.EXPERIMENT: fresh_check._check_experiment,
+            FileKind.CAMPAIGN: fresh_check._check_campaign,
+            FileKind.SCENE: fresh_check._check_scene,
         }
     )
 
@@ -571,7 +571,7 @@ BESIDE = {
 CHECKED_WITH = [
     *("robot/camera_file.py", "robot/calibration_files.py", "robot/control_panel/panel_file.py"),
     *("robot/backends/trace_script.py", "lab/campaign/named_parts.py", "lab/gallery/scene_file.py"),
-    *("cli/scene_steps.py", "cli/settings_file.py", "cli/commands/checked.py"),
+    *("cli/scene_steps.py", "cli/settings_file.py", "cli/commands/fresh_check.py"),
 ]
 """Files of other rooms that have a part in checking; the runtime tests say which these are."""
 

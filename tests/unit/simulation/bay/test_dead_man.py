@@ -52,7 +52,7 @@ def test_a_mask_without_the_slots_that_are_always_held_is_none_and_only_wheels_s
     [tripped, *_] = host.events("tripped")
     assert tripped.counts == tuple(0 if slot == WHEEL else at for slot, at in enumerate(COUNTS))
     number, counts = read_array([each for each in host.heard if each.topic == ECHO][-1].payload)
-    assert (number, counts) == (1, tripped.counts), "the mask is echoed as it came"
+    assert (number, counts) == (1, tripped.counts), "the mask is echoed as received"
 
 
 def test_any_valid_array_keeps_it_from_tripping_also_the_same_one(host: Host) -> None:

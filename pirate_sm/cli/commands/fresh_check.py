@@ -1,4 +1,4 @@
-"""The work of `pirate check`, which a kept result spares."""
+"""What `pirate check` does where no kept result can be used."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _MOST_ROUNDS = 10
 """How often files are fixed and checked again, because one fault can hide the next. [decided]"""
 
 
-def checked(
+def fresh_check(
     options: CheckOptions, columns: int | None, *, coloured: bool
 ) -> tuple[int, str | None]:
     """Return the exit code, which says whether anything was found, and the report or changes.
