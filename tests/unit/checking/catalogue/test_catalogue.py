@@ -29,7 +29,7 @@ SOURCES = [
     *sorted((PACKAGE / "robot").glob("*.py")),
     *sorted((PACKAGE / "robot" / "control_panel").glob("*.py")),
     PACKAGE / "robot" / "backends" / "trace_script.py",
-    PACKAGE / "cli" / "commands" / "checked.py",
+    PACKAGE / "cli" / "commands" / "fresh_check.py",
     PACKAGE / "cli" / "commands" / "new.py",
 ]
 ENTRIES = catalogue.entries()

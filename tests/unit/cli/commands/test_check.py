@@ -16,7 +16,7 @@ import pytest
 from checking.small_missions import MISSION
 
 from pirate_sm.cli import kept_reports
-from pirate_sm.cli.commands import check, checked
+from pirate_sm.cli.commands import check, fresh_check
 from pirate_sm.cli.options.checks import CheckOptions
 from pirate_sm.cli.output.terminal import Show
 
@@ -196,13 +196,13 @@ def test_files_are_not_checked_again_once_nothing_is_left_to_change(
     more: tuple[str, ...],
     checks: int,
 ) -> None:
-    done, check_paths = [], checked.check_paths
+    done, check_paths = [], fresh_check.check_paths
 
     def counted(*asked: Any) -> Any:
         done.append(asked)
         return check_paths(*asked)
 
-    monkeypatch.setattr(checked, "check_paths", counted)
+    monkeypatch.setattr(fresh_check, "check_paths", counted)
     assert pirate("check", short, "--fix", "--unsafe-fixes", *more).exit_code == 0
 
     assert short.read_text("utf-8") == MISSION
@@ -256,7 +256,7 @@ def test_a_terminal_shows_which_file_is_being_checked(
     def progress(what: str) -> Iterator[Show]:
         yield lambda share, more="": lines.append(f"{what}: {share:.0%}{more}")
 
-    monkeypatch.setattr(checked, "progress", progress)
+    monkeypatch.setattr(fresh_check, "progress", progress)
     check.run_check(CheckOptions(paths=[str(broken)]))
     assert lines == ["checking: 0%, b.yaml"]
 
