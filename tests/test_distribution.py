@@ -34,6 +34,7 @@ NEEDING = {
     ("gym", "gymnasium"): ("import pirate_sm.learning",),
     ("jit", "numba"): (PIRATE, "run", "mitre_bend", "--no-record"),
     ("live", "foxglove"): (PIRATE, "run", "mitre_bend", "--backend", "trace", "--live"),
+    ("lsp", "pygls"): (PIRATE, "lsp"),
     ("parquet", "pyarrow"): (PIRATE, "export", "{run}", "--parquet", "{here}/tables"),
     ("physics", "mujoco"): (PIRATE, "run", "mitre_bend", "--backend", "physics"),
     ("ros2", "rosbags"): (PIRATE, "export", "{run}", "--ros2", "{here}/bag"),

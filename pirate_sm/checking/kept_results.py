@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -39,12 +39,12 @@ class _Using:
     """The use of the folder by a command.
 
     Attributes:
-        stamp: Of all that is the same for all results of the command.
+        stamp: Of all that is the same for all results of the command; empty: it cannot change.
         waiting: New entries by their keys, until the result that they are a part of is known.
         depth: How many results are being made, one for the other.
     """
 
-    entries: Entries
+    entries: Entries | KeptInMemory
     stamp: str
     waiting: dict[str, Any] = field(default_factory=dict)
     depth: int = 0
@@ -60,6 +60,28 @@ def kept_results() -> Iterator[None]:
     using = None
     if entries is not None and stamp is not None and here():
         using = _Using(entries, stamp)
+    with _use(using):
+        yield
+
+
+class KeptInMemory(dict[str, Any]):
+    """Entries that a process keeps for itself: its package and all that is installed stay."""
+
+    def read(self, key: str) -> Any:
+        """Return what an entry holds; None without one."""
+        return self.get(key)
+
+    def write(self, new: Mapping[str, Any]) -> None:
+        """Write entries."""
+        self.update(new)
+
+    def used(self) -> AbstractContextManager[None]:
+        """Return a context in which results are kept here and used again."""
+        return _use(_Using(self, ""))
+
+
+@contextmanager
+def _use(using: _Using | None) -> Iterator[None]:
     before = _using.set(using)
     try:
         yield
@@ -186,5 +208,5 @@ def _written(asked: DiskAnswers, result: Any) -> dict[str, Any]:
 def _flush(using: _Using) -> None:
     """Write the new entries, unless the package has changed meanwhile."""
     waiting, using.waiting = using.waiting, {}
-    if _stamp() == using.stamp:
+    if not using.stamp or _stamp() == using.stamp:
         using.entries.write(waiting)

@@ -29,6 +29,7 @@ COMMANDS = {
     "list": ("files:ListOptions", "list:list_things"),
     "schema": ("files:SchemaOptions", "schema:print_schema"),
     "check": ("checks:CheckOptions", "check:run_check"),
+    "lsp": ("checks:LspOptions", "lsp:serve_editor"),
     "explain": ("checks:ExplainOptions", "explain:explain_code"),
     "diff": ("checks:DiffOptions", "diff:run_diff"),
     "graph": ("files:GraphOptions", "graph:draw_graph"),

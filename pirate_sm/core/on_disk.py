@@ -14,7 +14,7 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
@@ -22,6 +22,7 @@ from functools import wraps
 from hashlib import blake2b
 from io import BufferedReader, BytesIO
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, NamedTuple, ParamSpec, TypeVar, cast
 
 P = ParamSpec("P")
@@ -175,6 +176,32 @@ class Listed(NamedTuple):
     is_link: bool
 
 
+# --- what an editor has not saved -----------------------------------------------------------------
+
+
+_unsaved: ContextVar[Mapping[str, bytes]] = ContextVar("unsaved", default=MappingProxyType({}))
+
+
+@contextmanager
+def unsaved(files: Mapping[str, bytes]) -> Iterator[None]:
+    """Return a context in which files hold what is not saved yet.
+
+    Args:
+        files: The contents by the paths of the files, with all links followed; a file need not
+            exist.
+    """
+    before = _unsaved.set(files)
+    try:
+        yield
+    finally:
+        _unsaved.reset(before)
+
+
+def _unsaved_at(path: Path | str) -> bytes | None:
+    files = _unsaved.get()
+    return files.get(os.path.realpath(path)) if files else None
+
+
 # --- questions ------------------------------------------------------------------------------------
 
 
@@ -182,7 +209,8 @@ class Listed(NamedTuple):
 def is_there(path: Path | str) -> bool:
     """Return whether something is at this path, also a broken link, or it cannot be found out."""
     try:
-        return os.path.lexists(path) or bool(why_hidden(path))
+        there = os.path.lexists(path) or bool(why_hidden(path))
+        return there or _unsaved_at(path) is not None
     except ValueError:
         return False
 
@@ -191,7 +219,7 @@ def is_there(path: Path | str) -> bool:
 def is_file(path: Path | str) -> bool:
     """Return whether a file is known to be at this path."""
     try:
-        return Path(path).is_file()
+        return Path(path).is_file() or _unsaved_at(path) is not None
     except (OSError, ValueError):
         return False
 
@@ -224,8 +252,13 @@ def listed(folder: Path | str) -> list[Listed]:
         OSError: It cannot be searched.
     """
     with os.scandir(folder) as entries:
-        found = (Listed(each.name, _leads_into(each), each.is_symlink()) for each in entries)
-        return sorted(each for each in found if each.is_folder or each.name.endswith(YAML))
+        found = {
+            each.name: Listed(each.name, _leads_into(each), each.is_symlink()) for each in entries
+        }
+    for place, name in map(os.path.split, _unsaved.get()):
+        if place == os.path.realpath(folder):
+            found.setdefault(name, Listed(name, is_folder=False, is_link=False))
+    return sorted(it for it in found.values() if it.is_folder or it.name.endswith(YAML))
 
 
 def _leads_into(entry: os.DirEntry[str]) -> bool:
@@ -245,7 +278,7 @@ def opened(path: Path | str) -> BufferedReader:
         OSError: It cannot be opened, or is no regular file.
         ValueError: No file can have this path.
     """
-    content = _content(path) if _listening.get() else None
+    content = _content(path) if _listening.get() or _unsaved.get() else None
     if content is None:
         return open_regular(path)
     if len(content) > _LARGEST_NOTED:
@@ -262,6 +295,9 @@ def open_regular(path: Path | str) -> BufferedReader:
 
 @_question
 def _content(path: Path | str) -> bytes:
+    written = _unsaved_at(path)
+    if written is not None:
+        return written
     with open_regular(path) as stream:
         return stream.read(_LARGEST_NOTED + 1)
 

@@ -64,7 +64,7 @@ def _finding(finding: Finding, paint: Paint, columns: int) -> Iterator[str]:
     for place, what in finding.related:
         yield f"  {paint('place', str(place))}: {paint('', what)}"
     yield from _story(finding, paint, columns)
-    said = ("why", entry.why), ("fix", _fix(finding, entry.fix)), ("example", finding.example)
+    said = ("why", entry.why), ("fix", advice(finding)), ("example", finding.example)
     for label, text in said:
         if text:
             yield from _wrapped(f"  {label + ': ':6}", text, paint, columns)
@@ -110,10 +110,10 @@ def _wrapped(label: str, text: str, paint: Paint, columns: int) -> Iterator[str]
         yield f"{margin}{paint('', line)}"
 
 
-def _fix(finding: Finding, default: str) -> str:
-    """Return how to fix a finding: a suggestion, the expected input, or the default advice."""
+def advice(finding: Finding) -> str:
+    """Return how to fix a finding: a suggestion, the expected input, or the catalogue's advice."""
     if not finding.suggestion:
-        return finding.fix or default
+        return finding.fix or catalogue.entry_of(finding.code).fix
     names = finding.fix.startswith("expected ")  # of which the suggestion is the nearest
     return f"did you mean '{finding.suggestion}'? {'' if names else finding.fix}".rstrip()
 

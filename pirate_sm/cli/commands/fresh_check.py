@@ -43,22 +43,7 @@ def fresh_check(
             not installed.
     """
     fail_on = Severity[options.fail_on.upper()]
-    asked = Wishes(
-        robot=options.robot,
-        pipe=options.pipe,
-        usual_robot=settings.values()["robot"].value or None,
-        settings=read_settings(options.settings),
-        keep_going=not options.debug,
-        counterexamples=None if options.counterexamples is None else Path(options.counterexamples),
-        rehearse=_rehearse(options),
-        outside=options.outside,
-        others={
-            FileKind.EXPERIMENT: _check_experiment,
-            FileKind.CAMPAIGN: _check_campaign,
-            FileKind.SCENE: _check_scene,
-        },
-        other_findings=tuple(_refused_settings(options.paths)),
-    )
+    asked = wishes_of(options)
     if options.unsafe_fixes and not (options.fix or options.diff):
         raise UsageError("--unsafe-fixes is for --fix and --diff")
     changing, fixed = options.fix or options.diff, 0
@@ -86,6 +71,30 @@ def fresh_check(
     if report.nothing:
         return NOTHING, text
     return FOUND if report.fails(fail_on) else CLEAN, text
+
+
+def wishes_of(options: CheckOptions) -> Wishes:
+    """Return what a check is asked for by its options and by the settings.
+
+    Raises:
+        UsageError: An option does not fit, or the simulator is needed and not installed.
+    """
+    return Wishes(
+        robot=options.robot,
+        pipe=options.pipe,
+        usual_robot=settings.values()["robot"].value or None,
+        settings=read_settings(options.settings),
+        keep_going=not options.debug,
+        counterexamples=None if options.counterexamples is None else Path(options.counterexamples),
+        rehearse=_rehearse(options),
+        outside=options.outside,
+        others={
+            FileKind.EXPERIMENT: _check_experiment,
+            FileKind.CAMPAIGN: _check_campaign,
+            FileKind.SCENE: _check_scene,
+        },
+        other_findings=tuple(_refused_settings(options.paths)),
+    )
 
 
 def _report(options: CheckOptions, asked: Wishes) -> CheckReport:

@@ -1,4 +1,4 @@
-"""Options of `pirate check`, `pirate explain` and `pirate diff`."""
+"""Options of `pirate check`, `pirate lsp`, `pirate explain` and `pirate diff`."""
 
 from __future__ import annotations
 
@@ -61,6 +61,18 @@ class CheckOptions(CommandOptions):
     seeds: int = typed("How often each is rehearsed.", min=1, default=1)
     outside: bool = flag("Follow `call` and `pipe` out of the project.", "--outside")
     no_cache: bool = flag("Check all files again, and keep no results.", "--no-cache")
+
+
+@dataclass(frozen=True, kw_only=True)
+class LspOptions(CommandOptions):
+    """Show an editor what is wrong with its files while you type.
+
+    The editor starts it and talks with it by the Language Server Protocol, over standard input
+    and output. It needs the extra lsp.
+    """
+
+    stdio: bool = flag("What some editors ask for; nothing else is possible.", "--stdio")
+    outside: bool = flag("Follow `call` and `pipe` out of the project.", "--outside")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -33,7 +33,15 @@ from pirate_sm.core.documents import FileKind
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.kept_entries import Entries
 from pirate_sm.core.loading import load_mission, load_robot
-from pirate_sm.core.on_disk import DiskAnswers, asks_elsewhere, is_file, listed, noting, opened
+from pirate_sm.core.on_disk import (
+    DiskAnswers,
+    asks_elsewhere,
+    is_file,
+    listed,
+    noting,
+    opened,
+    unsaved,
+)
 
 from .robots import NEWT, ROOT, swap
 
@@ -137,6 +145,27 @@ def test_only_what_depends_on_a_change_is_checked_again(here, report, made):
     report()
 
     assert made == ["one.yaml"]
+
+
+def test_a_process_keeps_results_for_itself_also_of_files_that_are_not_saved(here, folder, made):
+    memory, one = kept.KeptInMemory(), here / "sequences" / "one.yaml"
+
+    def checked(text: str) -> tuple[list[str], int]:
+        made.clear()
+        with unsaved({str(one): text.encode()}), memory.used():
+            report = check_paths()
+        return [*made], len(report.open)
+
+    good = one.read_text("utf-8")
+    first, twice = checked(good), checked(good)
+    changed = checked(good.replace("HoldTail", "HoldTale"))
+
+    assert len(first[0]) > 2
+    assert twice == ([], first[1])
+    assert changed == (["one.yaml"], first[1] + 1)
+    assert checked(good) == (["one.yaml"], first[1])
+    assert not folder.exists()
+    assert one.read_text("utf-8") == good
 
 
 def test_a_robot_that_was_changed_is_loaded_again(here):

@@ -6,7 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.core.on_disk import is_file, is_folder, is_there, opened, replace_file, why_hidden
+from pirate_sm.core.on_disk import (
+    is_file,
+    is_folder,
+    is_there,
+    listed,
+    noting,
+    opened,
+    replace_file,
+    unsaved,
+    why_hidden,
+)
 
 
 @pytest.fixture
@@ -135,3 +145,43 @@ def test_a_regular_file_is_opened_to_be_read_and_nothing_else_is(tmp_path: Path)
         opened(tmp_path)
     with pytest.raises(OSError, match="not a regular file"):
         opened("/dev/null")
+
+
+def content(file: Path) -> bytes:
+    with opened(file) as stream:
+        return stream.read()
+
+
+def test_files_hold_what_is_not_saved_yet_under_every_name_that_they_have(tmp_path: Path) -> None:
+    old, new, link = (tmp_path / name for name in ("old.yaml", "new.yaml", "link.yaml"))
+    old.write_bytes(b"old")
+    link.symlink_to(old)
+    texts = {str(old.resolve()): b"typed", str(new.resolve()): b"never saved"}
+
+    with unsaved(texts):
+        told = [content(each) for each in (old, new, link)]
+        there = is_file(new), is_there(new), is_folder(new), why_hidden(new)
+        names = [each.name for each in listed(tmp_path)]
+        away = [each.name for each in listed(tmp_path.parent)]
+
+    assert told == [b"typed", b"never saved", b"typed"]
+    assert there == (True, True, False, "")
+    assert names == ["link.yaml", "new.yaml", "old.yaml"]
+    assert "new.yaml" not in away
+    assert [each.name for each in listed(tmp_path)] == ["link.yaml", "old.yaml"]
+    assert (is_file(new), content(old)) == (False, b"old")
+
+
+def test_what_was_asked_of_unsaved_files_has_another_answer_later(tmp_path: Path) -> None:
+    file = tmp_path / "new.yaml"
+    texts = {str(file.resolve()): b"typed"}
+    with unsaved(texts), noting() as asked:
+        opened(file).close()
+        listed(tmp_path)
+        assert asked.holds()
+
+    assert not asked.holds()
+    with unsaved(texts):
+        assert asked.holds()
+    with unsaved({str(file.resolve()): b"typed on"}):
+        assert not asked.holds()

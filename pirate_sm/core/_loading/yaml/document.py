@@ -36,20 +36,21 @@ class Document:
     Attributes:
         name: Name of the file in messages.
         text: Its text.
+        root: Its content with the place of every value, which is not to be changed.
         bases: The documents that it extends, with their own bases.
         data: Mappings, lists, text, numbers, booleans and None.
     """
 
     name: str
     text: str = field(repr=False)
-    _root: YamlNode = field(repr=False)
+    root: YamlNode = field(repr=False)
     lines: tuple[str, ...] = field(repr=False)
     bases: tuple[Document, ...] = field(default=(), repr=False)
 
     @property
     def data(self) -> Any:
         """Return the content as plain data."""
-        return self._root.value
+        return self.root.value
 
     @property
     def complete_text(self) -> str:
@@ -66,7 +67,7 @@ class Document:
             base: The document below.
             key: A key of this document that is left out: the one that names the base.
         """
-        root = overlaid(from_file(base._root, base.name), self._root, without=key)
+        root = overlaid(from_file(base.root, base.name), self.root, without=key)
         return Document(self.name, self.text, root, self.lines, (base, *base.bases))
 
     def excerpt(self, line: int, file: str = "") -> str:
@@ -87,7 +88,7 @@ class Document:
             key: Return the place of the value's key, if it has one.
             offset: Return the place of this character of the value's text.
         """
-        node, line, column = self._root, self._root.line, self._root.column
+        node, line, column = self.root, self.root.line, self.root.column
         file = ""
         for part in path:
             child = node.child(part)
@@ -123,7 +124,7 @@ class Document:
             within: Replace only these characters of the value's text.
             safe: Whether nothing else can have been meant.
         """
-        node = self._root
+        node = self.root
         for part in path:
             child = node.child(part)
             if child is None and node.children is not None and part != 0:
@@ -262,7 +263,7 @@ def parse_document(text: str | bytes, name: str) -> Document:
         raise LoadError(problems)
     if root is None:
         raise _refusal(name, "empty", "the file is empty; a mapping is expected")
-    return Document(name=name, text=decoded, _root=root, lines=lines)
+    return Document(name=name, text=decoded, root=root, lines=lines)
 
 
 _composed: Final = lru_cache(maxsize=32)(compose)

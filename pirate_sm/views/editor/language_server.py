@@ -1,0 +1,209 @@
+"""The language server: checks the open files after each change, and answers the editor.
+
+The loop of events takes texts and answers questions. Checks are made one after the other in a
+thread, each on the texts as they are when it begins. What it finds is shown if the texts are
+still the same when it ends.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from typing import Any, BinaryIO, TypeVar
+
+from lsprotocol import types
+from pygls.lsp.server import LanguageServer
+from pygls.uris import to_fs_path
+
+from pirate_sm import __version__
+from pirate_sm.checking.kept_results import KeptInMemory
+from pirate_sm.checking.reports.check_report import CheckReport
+from pirate_sm.core.documents import Document, FileKind, LoadError, kind_of_text, parse_document
+from pirate_sm.core.errors import PirateError
+from pirate_sm.core.on_disk import unsaved
+from pirate_sm.views.editor import outline
+from pirate_sm.views.editor.positions import Positions
+from pirate_sm.views.editor.shown_findings import SOURCE, CheckedTexts
+
+R = TypeVar("R")
+
+Check = Callable[[list[str]], CheckReport]
+"""Checks files by their paths."""
+
+_PAUSE_S = 0.04
+"""How long nothing must be typed before a check begins. [decided]"""
+
+
+class Editor:
+    """The server of one editor.
+
+    Args:
+        check: Checks files.
+    """
+
+    def __init__(self, check: Check) -> None:
+        self._check, self._memory = check, KeptInMemory()
+        self._server = LanguageServer(
+            SOURCE, __version__, text_document_sync_kind=types.TextDocumentSyncKind.Full
+        )
+        self._changed = asyncio.Event()
+        self._work: asyncio.Task[None] | None = None
+        self._last: CheckedTexts | None = None
+        self._shown: set[str] = set()
+        self._outlined: dict[str, tuple[Document, Positions]] = {}
+        answers: dict[str, Callable[[Any], Any]] = {
+            types.INITIALIZE: self._enter_project,
+            types.INITIALIZED: self._begin,
+            types.TEXT_DOCUMENT_DID_OPEN: self._note_change,
+            types.TEXT_DOCUMENT_DID_CHANGE: self._note_change,
+            types.TEXT_DOCUMENT_DID_SAVE: self._note_change,
+            types.TEXT_DOCUMENT_DID_CLOSE: self._close,
+            types.WORKSPACE_DID_CHANGE_WATCHED_FILES: self._note_change,
+            types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: self._symbols,
+            types.TEXT_DOCUMENT_FOLDING_RANGE: self._folds,
+        }
+        for name, answer in answers.items():
+            self._server.feature(name)(partial(answer))
+        kinds = [types.CodeActionKind.QuickFix, types.CodeActionKind.SourceFixAll]
+        offered = types.CodeActionOptions(code_action_kinds=kinds)
+        self._server.feature(types.TEXT_DOCUMENT_CODE_ACTION, offered)(partial(self._actions))
+
+    def serve(self, messages: BinaryIO, answers: BinaryIO) -> None:
+        """Answer until the editor ends.
+
+        Args:
+            messages: Where messages come from.
+            answers: Where answers go; it is closed then.
+        """
+        self._server.start_io(messages, answers)
+
+    # --- the editor and its files ---
+
+    def _enter_project(self, _: types.InitializeParams) -> None:
+        """Work in the folder of the project, from which files have their names."""
+        folders = [*self._server.workspace.folders] or [self._server.workspace.root_uri]
+        root = folders[0] and to_fs_path(folders[0])
+        with suppress(OSError):
+            os.chdir(root or ".")
+
+    def _begin(self, _: types.InitializedParams) -> None:
+        self._work = asyncio.ensure_future(self._keep_checking())
+        files = self._server.client_capabilities.workspace
+        watched = files and files.did_change_watched_files
+        if watched and watched.dynamic_registration:
+            every = types.FileSystemWatcher("**/*.{yaml,yml,toml}")
+            wanted = types.DidChangeWatchedFilesRegistrationOptions([every])
+            name = types.WORKSPACE_DID_CHANGE_WATCHED_FILES
+            registration = types.Registration(name, name, wanted)
+            self._server.client_register_capability(types.RegistrationParams([registration]))
+
+    def _note_change(self, _: Any) -> None:
+        self._changed.set()
+
+    def _close(self, closed: types.DidCloseTextDocumentParams) -> None:
+        self._outlined.pop(closed.text_document.uri, None)
+        self._changed.set()
+
+    def _open(self) -> dict[str, Any]:
+        """Return the open files by their paths."""
+        files = self._server.workspace.text_documents.values()
+        return {os.path.realpath(file.path): file for file in files}
+
+    # --- checks ---
+
+    async def _keep_checking(self) -> None:
+        while True:
+            await self._changed.wait()
+            self._changed.clear()
+            await asyncio.sleep(_PAUSE_S)
+            if self._changed.is_set():
+                continue
+            files = self._open()
+            texts = {path: _content(file.source) for path, file in files.items()}
+            uris = {path: file.uri for path, file in files.items()}
+            work = partial(self._checked, texts, uris)
+            try:
+                made = asyncio.get_running_loop().run_in_executor(self._server.thread_pool, work)
+                checked, shown = await made
+            except Exception as error:  # the next text may do
+                self._say(error)
+                continue
+            if not self._changed.is_set():
+                self._last = checked
+                versions = {file.uri: file.version for file in files.values()}
+                self._show(shown, versions)
+
+    def _checked(
+        self, texts: dict[str, bytes], uris: dict[str, str]
+    ) -> tuple[CheckedTexts, dict[str, list[types.Diagnostic]]]:
+        """Return what the check says of the open files of known kinds."""
+        known = [
+            path
+            for path, content in texts.items()
+            if kind_of_text(content.decode(errors="replace")) is not FileKind.OTHER
+        ]
+        with unsaved(texts), self._memory.used():
+            report = self._check(known) if known else CheckReport((), ())
+        checked = CheckedTexts(report, texts, uris, self._server.workspace.position_codec)
+        return checked, checked.diagnostics()
+
+    def _show(
+        self, shown: dict[str, list[types.Diagnostic]], versions: dict[str, int | None]
+    ) -> None:
+        """Show findings, in open files last, and no longer those of files that have none now."""
+        for uri in self._shown - shown.keys():
+            shown[uri] = []
+        for uri, found in sorted(shown.items(), key=lambda each: each[0] in versions):
+            params = types.PublishDiagnosticsParams(uri, found, versions.get(uri))
+            self._server.text_document_publish_diagnostics(params)
+        self._shown = {uri for uri, found in shown.items() if found}
+
+    def _say(self, error: Exception) -> None:
+        known = isinstance(error, PirateError)
+        text = str(error) if known else f"an internal error: {type(error).__name__}: {error}"
+        params = types.ShowMessageParams(types.MessageType.Error, text)
+        self._server.window_show_message(params)
+
+    # --- questions ---
+
+    def _actions(self, asked: types.CodeActionParams) -> list[types.CodeAction]:
+        """Return the changes for a part of a file, if its findings are those of its text."""
+        file = self._server.workspace.get_text_document(asked.text_document.uri)
+        path, last = os.path.realpath(file.path), self._last
+        if last is None or last.texts.get(path) != _content(file.source):
+            return []
+        only = asked.context.only or []
+
+        def is_wanted(kind: str | None) -> bool:
+            return not only or any(f"{kind}.".startswith(f"{each}.") for each in map(_plain, only))
+
+        return [each for each in last.actions(path, asked.range) if is_wanted(_plain(each.kind))]
+
+    def _symbols(self, asked: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
+        return self._outline(asked.text_document.uri, outline.symbols)
+
+    def _folds(self, asked: types.FoldingRangeParams) -> list[types.FoldingRange]:
+        return self._outline(asked.text_document.uri, outline.folds)
+
+    def _outline(self, uri: str, of: Callable[[Document, Positions], list[R]]) -> list[R]:
+        """Return an outline of a file; while it cannot be read, of its last text that could."""
+        file = self._server.workspace.get_text_document(uri)
+        with suppress(LoadError):
+            document = parse_document(file.source, file.path)
+            positions = Positions(document.text, self._server.workspace.position_codec)
+            self._outlined[uri] = document, positions
+        known = self._outlined.get(uri)
+        return of(*known) if known else []
+
+
+def _plain(kind: types.CodeActionKind | str | None) -> str | None:
+    """Return the text of a kind of action, of which this is a hierarchy."""
+    return kind.value if isinstance(kind, types.CodeActionKind) else kind
+
+
+def _content(text: str) -> bytes:
+    """Return a text as a file holds it; an editor may send what no file can hold."""
+    return text.encode(errors="surrogatepass")
