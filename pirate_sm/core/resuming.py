@@ -10,7 +10,6 @@ from pirate_sm.core._engine.resuming.reconciling import (
     VerdictTable,
     adoptable,
     reconcile,
-    verdicts,
 )
 from pirate_sm.core._engine.resuming.resumption import (
     AS_DECLARED,

@@ -28,7 +28,6 @@ from pirate_sm.core.resuming import (
     reconcile,
     resumption,
     unknowns,
-    verdicts,
 )
 from pirate_sm.core.spelling import meant
 from pirate_sm.running.recording.format.engine_topics import UNLOGGED, Placed
@@ -385,4 +384,5 @@ def _said_table(
         raise UsageError(f"--state: the robot cannot be in {', '.join(names)}")
     there = robot.table.configurations.index(tuple(names))
     said, look = recorded.in_configuration(robot, there, end.last), seen.look
-    return verdicts(robot, prepared.loaded.program, end.last, said, look.frames, look.now_s)
+    where = robot, prepared.loaded.program, end.last, look.frames, look.now_s
+    return reconcile(*where, 0.0, found=(said,)).tables[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from itertools import compress
 from math import inf, nan
 from typing import Literal, NamedTuple, TypeAlias
@@ -24,8 +24,8 @@ from pirate_sm.core._engine.robot.robot_state import (
     at_rest_in,
     states_of,
 )
-from pirate_sm.core._engine.sensing.known_signals import Sensing, nothing_known
-from pirate_sm.core._engine.sensing.signal_table import forget_stale, observe
+from pirate_sm.core._engine.sensing.known_signals import nothing_known
+from pirate_sm.core._engine.sensing.signal_table import forget_stale, observe, slots_read
 from pirate_sm.core._engine.state import OUTSIDE, EngineState
 from pirate_sm.core._engine.unwatched import DarkWay, changed, dark_way
 from pirate_sm.core._model.events import SensorFrame
@@ -169,77 +169,32 @@ def reconcile(
         found: Where the robot may be, if that is not what follows from the recording.
     """
     found = found or hypotheses(robot, program, last, maybe)
-    tables = tuple(verdicts(robot, program, last, each, frames, now_s) for each in found)
-    *_, (_, sensing) = _course(robot, found[0], frames, now_s)
+    read = slots_read(robot)
+    courses = dict[Numbers, _Course]()
+    tables = []
+    for each in found:
+        seen_as = tuple(each.body.values[slot] for slot in read)
+        if seen_as not in courses:
+            courses[seen_as] = _Course(robot, program, each.body, frames, now_s)
+        tables.append(courses[seen_as].table(last, each))
+    numbers = next(iter(courses.values())).steps[-1][1]
     drove = any(last.robot.latest[slot] for slot in robot.safe_zero)
     driven_s = driven_s if drove or any(each.drives for each in found) else 0.0
-    way = dark_way(robot, last, sensing.numbers, driven_s)
+    way = dark_way(robot, last, numbers, driven_s)
     refusals = list(_silent(robot, frames, now_s))
     if last.robot.motion is None and not driven_s:
-        refusals += changed(robot, last.sensing.numbers, found[0].body.marks, sensing.numbers)
+        refusals += changed(robot, last.sensing.numbers, found[0].body.marks, numbers)
     chosen, choices, none = _choose(robot, tables)
     return Reconciled(
-        tables,
+        tuple(tables),
         chosen,
         choices,
         (*refusals, *(chosen.refusals if chosen else ()), *none),
         (way.moved,) if way.moved else (),
-        turning(robot, sensing.numbers),
+        turning(robot, numbers),
         way,
-        sensing.numbers,
+        numbers,
     )
-
-
-def verdicts(
-    robot: RobotSpec,
-    program: Program,
-    last: EngineState,
-    hypothesis: Hypothesis,
-    frames: Frames,
-    now_s: float,
-) -> VerdictTable:
-    """Return what the sensors show about a hypothesis; the arguments are those of `reconcile`.
-
-    A verdict counts if it has lasted, to the end of the look, as long as the profile asks for. What
-    is unknown agrees with nothing. What the recording had not confirmed is not contradicted: its
-    command was under way.
-    """
-    body, diameter_m = hypothesis.body, program.diameter_m
-    names, setpoints = states_of(robot, body), at_rest_in(robot, body.configuration).values
-    marks = sorted(mark for mark in body.marks if mark.command != STOPPED)
-    watched = [Watched(mark) for mark in marks]
-    fatal = [rule for rule in robot.faults if not rule.catchable]
-    raised = [nan] * len(fatal)
-    words = (*names, *(None for _ in OUTSIDE))
-    for at_s, sensing in _course(robot, hypothesis, frames, now_s):
-        numbers = sensing.numbers
-        watched = [
-            it.after(verdict(robot, setpoints, body, it.mark, numbers, diameter_m), at_s)
-            for it in watched
-        ]
-        for number, rule in enumerate(fatal):
-            true = rule.when.evaluate(sensing.numbers, words) is True
-            raised[number] = since(raised[number], true, at_s)
-    judged = []
-    for it in watched:
-        mark, confirmed = it.mark, it.is_confirmed(now_s)
-        denied = mark.command == DECLARED and it.is_denied(now_s)
-        word: Word = "confirmed" if confirmed else "contradicted" if denied else "unknown"
-        why = "" if confirmed else it.told if denied else _why_unknown(robot, names, mark)
-        if mark.kind == "region":
-            about, state = robot.regions[mark.which], names[mark.which]
-        else:
-            about, state = robot.parts[mark.which], "holds"
-        spec = spec_of(robot, names, mark)
-        shown = shown_by(robot, spec, last.sensing.numbers, sensing.numbers, diameter_m)
-        judged.append(StateVerdict(mark, about, state, word, why, shown))
-    refusals = [
-        f"{rule.code}: {rule.message}"
-        for rule, since_s in zip(fatal, raised, strict=True)
-        if has_come(now_s, since_s + rule.held_s)
-    ]
-    hypothesis = hypothesis._replace(body=_redeclared(last, body, judged))
-    return VerdictTable(hypothesis, tuple(judged), tuple(dict.fromkeys(refusals)))
 
 
 def turning(robot: RobotSpec, numbers: Numbers) -> bool:
@@ -269,18 +224,81 @@ def adoptable(robot: RobotSpec, declared: int) -> tuple[Hypothesis, ...]:
 # --- inside -----------------------------------------------------------------------------------
 
 
-def _course(
-    robot: RobotSpec, hypothesis: Hypothesis, frames: Frames, now_s: float
-) -> Iterator[tuple[float, Sensing]]:
-    """Yield the signals after each frame and at the end of the look; old ones are unknown."""
-    began_s = frames[0][0] if frames else now_s
-    sensing = nothing_known(robot)
-    sensing = sensing._replace(heard_s=(began_s,) * len(robot.boards), checked_s=began_s)
-    values = hypothesis.body.values
-    for at_s, frame in frames:
-        sensing, _ = observe(robot, sensing, frame, values, values, at_s, sent=False)
-        yield at_s, forget_stale(robot, sensing, at_s)
-    yield now_s, forget_stale(robot, sensing, now_s)
+class _Course:
+    """What the boards show of a robot with the setpoints of a hypothesis, and what that says.
+
+    Where setpoints differ that no signal depends on, the signals are the same: hypotheses share
+    their course, and what they declare alike is judged once.
+
+    Attributes:
+        steps: The signals after each frame and at the end of the look; old ones are unknown.
+    """
+
+    def __init__(
+        self, robot: RobotSpec, program: Program, body: RobotState, frames: Frames, now_s: float
+    ) -> None:
+        self._robot, self._now_s, self._diameter_m = robot, now_s, program.diameter_m
+        self._watched: dict[Hashable, Watched] = {}
+        began_s = frames[0][0] if frames else now_s
+        sensing = nothing_known(robot)
+        sensing = sensing._replace(heard_s=(began_s,) * len(robot.boards), checked_s=began_s)
+        self.steps: list[tuple[float, Numbers]] = []
+        for at_s, frame in frames:
+            sensing, _ = observe(robot, sensing, frame, body.values, body.values, at_s, sent=False)
+            self.steps.append((at_s, forget_stale(robot, sensing, at_s).numbers))
+        self.steps.append((now_s, forget_stale(robot, sensing, now_s).numbers))
+
+    def table(self, last: EngineState, hypothesis: Hypothesis) -> VerdictTable:
+        """Return what the sensors show about a hypothesis.
+
+        A verdict counts if it has lasted, to the end of the look, as long as the profile asks for.
+        What is unknown agrees with nothing. What the recording had not confirmed is not
+        contradicted: its command was under way.
+        """
+        robot, now_s, body = self._robot, self._now_s, hypothesis.body
+        names, numbers = states_of(robot, body), self.steps[-1][1]
+        judged = []
+        for mark in sorted(mark for mark in body.marks if mark.command != STOPPED):
+            it = self._judged(body, mark)
+            confirmed = it.is_confirmed(now_s)
+            denied = mark.command == DECLARED and it.is_denied(now_s)
+            word: Word = "confirmed" if confirmed else "contradicted" if denied else "unknown"
+            why = "" if confirmed else it.told if denied else _why_unknown(robot, names, mark)
+            if mark.kind == "region":
+                about, state = robot.regions[mark.which], names[mark.which]
+            else:
+                about, state = robot.parts[mark.which], "holds"
+            spec = spec_of(robot, names, mark)
+            shown = shown_by(robot, spec, last.sensing.numbers, numbers, self._diameter_m)
+            judged.append(StateVerdict(mark, about, state, word, why, shown))
+        hypothesis = hypothesis._replace(body=_redeclared(last, body, judged))
+        refusals = tuple(dict.fromkeys(self._refusals(names)))
+        return VerdictTable(hypothesis, tuple(judged), refusals)
+
+    def _judged(self, body: RobotState, mark: Mark) -> Watched:
+        """Return what the sensors have shown about a mark until the end of the look."""
+        robot, setpoints = self._robot, at_rest_in(self._robot, body.configuration).values
+        state = states_of(robot, body)[mark.which] if mark.kind == "region" else ""
+        of_joints = tuple(setpoints[slot] for slot in slots_read(robot))
+        alike = mark, state, robot.held[body.configuration], of_joints
+        if alike not in self._watched:
+            it = Watched(mark)
+            for at_s, numbers in self.steps:
+                shown = verdict(robot, setpoints, body, mark, numbers, self._diameter_m)
+                it = it.after(shown, at_s)
+            self._watched[alike] = it
+        return self._watched[alike]
+
+    def _refusals(self, names: tuple[str, ...]) -> Iterator[str]:
+        """Yield the faults that no mission may go on with, in these states."""
+        words = (*names, *(None for _ in OUTSIDE))
+        for rule in self._robot.faults:
+            if not rule.catchable:
+                since_s = nan
+                for at_s, numbers in self.steps:
+                    since_s = since(since_s, rule.when.evaluate(numbers, words) is True, at_s)
+                if has_come(self._now_s, since_s + rule.held_s):
+                    yield f"{rule.code}: {rule.message}"
 
 
 def _redeclared(last: EngineState, body: RobotState, judged: Sequence[StateVerdict]) -> RobotState:
@@ -319,7 +337,7 @@ def _silent(robot: RobotSpec, frames: Frames, now_s: float) -> Iterator[str]:
 
 
 def _choose(
-    robot: RobotSpec, tables: tuple[VerdictTable, ...]
+    robot: RobotSpec, tables: Sequence[VerdictTable]
 ) -> tuple[VerdictTable | None, tuple[VerdictTable, ...], tuple[str, ...]]:
     """Return the table that counts, or those among which a person chooses, or why there is none.
 

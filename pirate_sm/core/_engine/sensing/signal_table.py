@@ -115,6 +115,16 @@ def signal_table(robot: RobotSpec) -> SignalTable:
     return _TableCompiler(robot).table()
 
 
+@lru_cache(maxsize=16)
+def slots_read(robot: RobotSpec) -> tuple[int, ...]:
+    """Return the slots whose setpoints the table reads; the others change no signal."""
+    read = {wheel.slot for wheel in robot.wheels}
+    for board in robot.boards.values():
+        read |= {each.slot for each in board.derived}
+        read |= {board.watched.sensors[place].slot for place in board.watched.moving}
+    return tuple(sorted(read - {-1}))
+
+
 class _TableCompiler:
     """Writes the rows of a robot."""
 

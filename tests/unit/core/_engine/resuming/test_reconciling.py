@@ -151,6 +151,18 @@ def test_other_places_than_the_recorded_one_may_be_looked_at(clamped):
     assert [each.hypothesis.name for each in found.tables] == ["adopted"] * len(where)
 
 
+def test_a_place_is_judged_among_many_as_it_is_alone(clamped):
+    """Places whose setpoints change no signal share what the boards have shown."""
+    where = adoptable(clamped.robot, clamped.recorded.body.configuration)
+    turns(clamped, 20, {})
+    look = clamped.robot, clamped.program, clamped.last, clamped.frames, 11.9, 0.0
+
+    tables = reconcile(*look, found=where).tables
+
+    for place, table in list(zip(where, tables, strict=True))[::4]:
+        assert reconcile(*look, found=(place,)).tables == (table,)
+
+
 def test_a_wheel_turns_from_the_limit_on(clamped):
     speed = clamped.robot.wheels[0].speed
     limits = {
