@@ -52,3 +52,7 @@ class TestCamera(DetectorContract):
         mission = tmp_path / "to_the_bend.yaml"
         mission.write_text(TO_THE_BEND, "utf-8")
         return Subject(DETECTORS.find("vision"), load_mission(mission), argument=str(CAMERA))
+
+    @pytest.mark.thorough
+    def test_it_can_begin_again_for_another_mission(self, subject: Subject) -> None:
+        super().test_it_can_begin_again_for_another_mission(subject)

@@ -131,7 +131,7 @@ SOON_AND_LATER = list(product(STOPS, [False, True]))
 
 @pytest.mark.parametrize(
     ("stops", "looks"),
-    thorough_but([*product(STOPS, [False]), (by_a_fault, True)], SOON_AND_LATER),
+    thorough_but(list(product([by_key, by_a_panel, by_a_fault], [False])), SOON_AND_LATER),
 )
 def test_a_question_about_a_motion_is_not_open_after_the_stop(stops: Stops, looks: bool) -> None:
     async def story() -> None:

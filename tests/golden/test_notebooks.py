@@ -7,9 +7,11 @@ import os
 from pathlib import Path
 from typing import Any
 
-import nbformat
 import pytest
-from nbclient import NotebookClient
+from late import late
+
+nbclient = late("nbclient")
+nbformat = late("nbformat")
 
 ROOT = Path(__file__).parents[2]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
@@ -17,7 +19,7 @@ NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 
 def run(notebook: Any, folder: Path) -> None:
     """Run every cell in a process of its own, in this folder."""
-    NotebookClient(
+    nbclient.NotebookClient(
         notebook,
         timeout=100,
         record_timing=False,

@@ -6,13 +6,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import av
 import numpy as np
 import pytest
+from late import late
 
 import pirate_sm
 from pirate_sm.robot.vision import sightings
 from pirate_sm.robot.vision.opencv import cv2
+
+av = late("av")
 
 SMALL = Path(__file__).resolve().parents[1] / "cameras" / "small.yaml"
 RATE_HZ = 5

@@ -10,8 +10,8 @@ from pathlib import Path
 from pickle import HIGHEST_PROTOCOL, dumps, loads
 from types import ModuleType
 
-import pandas as pd
 import pytest
+from late import late
 from representative import thorough_but
 
 import pirate_sm
@@ -19,6 +19,8 @@ from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.read.repair import repair
 
 from .conftest import PATROL
+
+pd = late("pandas")
 
 BOUNDS = ("least", "force", "greatest")
 

@@ -1,12 +1,14 @@
 from __future__ import annotations
 
-import pandas as pd
 import pytest
+from late import late
 
 import pirate_sm
 from pirate_sm.core.errors import UsageError
 
 from .conftest import PATROL
+
+pd = late("pandas")
 
 
 @pytest.mark.thorough

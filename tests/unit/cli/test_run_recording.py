@@ -125,7 +125,7 @@ def test_a_file_that_was_asked_for_and_cannot_be_written_stops_the_mission_befor
     assert "nothing has moved" in result.stderr
 
 
-@pytest.mark.parametrize("backend", ["trace", "sim"])
+@pytest.mark.parametrize("backend", thorough_but(["trace"], ["trace", "sim"]))
 def test_a_disk_that_fills_up_is_told_once_and_the_mission_runs(
     backend: str, here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -149,19 +149,16 @@ def test_a_disk_that_fills_up_is_told_once_and_the_mission_runs(
     assert "succeeded" in result.stdout
 
 
-@pytest.mark.parametrize("output", [
-    (), pytest.param(("--plain",), marks=pytest.mark.thorough),
-    pytest.param(("--quiet",), marks=pytest.mark.thorough), ("--json",),
-])  # fmt: skip
+@pytest.mark.parametrize("output", thorough_but(["--json"], ["", "--plain", "--quiet", "--json"]))
 def test_a_recording_that_ends_before_its_run_is_told_once_by_every_output(
-    output: tuple[str, ...], here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
+    output: str, here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(recorder, "_HELP_AT", 50)
     monkeypatch.setattr(recorder, "_MOST_STEPS", 100)
     monkeypatch.setattr(RecordingFile, "cut", broken)
-    result: Any = pirate_run("mitre_bend", *output, "--record", "a.mcap")
+    result: Any = pirate_run("mitre_bend", *output.split(), "--record", "a.mcap")
 
-    told = result.stderr if "--quiet" in output else result.stdout + result.stderr
+    told = result.stderr if output == "--quiet" else result.stdout + result.stderr
     assert result.exit_code == 5
     assert result.stderr.endswith("succeeded, but its recording a.mcap is incomplete\n")
     assert told.count("nothing of the run is recorded: the disk is gone") == 1

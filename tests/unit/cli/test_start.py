@@ -69,7 +69,7 @@ main()
 @pytest.mark.parametrize(
     ("more", "printed"),
     [
-        ("", "printed exit function at once "),
+        pytest.param("", "printed exit function at once ", marks=pytest.mark.thorough),
         (
             "threading.Thread(target=lambda: threading.main_thread().join() or os.write(1, b'th '))"
             ".start()",

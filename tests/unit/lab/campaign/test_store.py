@@ -10,9 +10,8 @@ from itertools import count
 from pathlib import Path
 from typing import Protocol
 
-import pyarrow
 import pytest
-from pyarrow import parquet
+from late import late
 
 from pirate_sm.core.errors import UsageError
 from pirate_sm.lab.campaign import store as stores
@@ -20,6 +19,9 @@ from pirate_sm.lab.campaign.chunk import RunRow
 from pirate_sm.lab.campaign.store import Store, is_store
 
 from .rows import row
+
+pyarrow = late("pyarrow")
+parquet = late("pyarrow.parquet")
 
 
 class Opened(Protocol):

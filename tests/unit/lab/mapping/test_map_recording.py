@@ -52,6 +52,7 @@ def pipe_of(made: Map, **options: float) -> Pipe:
     return validate(parse_document(text, "found.yaml"), Pipe)
 
 
+@pytest.mark.thorough
 def test_a_driven_bend_is_as_in_its_file(
     recorded: Recording, found_map: Map, profile: Profile
 ) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import csv
 
-import pandas
 import pytest
+from late import late
 from recording_runs import record
 
 import pirate_sm
@@ -16,6 +16,8 @@ from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare
+
+pandas = late("pandas")
 
 
 @pytest.fixture(scope="module")

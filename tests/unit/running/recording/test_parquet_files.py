@@ -5,9 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-import pandas
 import pytest
-from pyarrow import parquet
+from late import late
 from recording_runs import record
 
 from pirate_sm.core.errors import UsageError
@@ -16,6 +15,9 @@ from pirate_sm.running.recording.csv_files import write_tables
 from pirate_sm.running.recording.parquet_files import UNIT, write_parquet
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.wiring import Order
+
+pandas = late("pandas")
+parquet = late("pyarrow.parquet")
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from representative import thorough_but
 
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, prepare
@@ -13,7 +14,7 @@ from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.start_pose import normals_of
 
 
-@pytest.mark.parametrize("mission", ["take_branch", "two_bends_up"])
+@pytest.mark.parametrize("mission", thorough_but(["take_branch"], ["take_branch", "two_bends_up"]))
 def test_the_normals_of_the_parts_follow_from_places_and_rolls(mission: str) -> None:
     prepared = prepare(Order(mission, check=False))
     MissionRun(prepared.engine, prepared.backend, companions=prepared.companions).execute()

@@ -5,15 +5,22 @@ from __future__ import annotations
 import subprocess
 import sys
 import sysconfig
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from pirate_sm.simulation.machine_code import builder
+
+@pytest.fixture(scope="module")
+def builder() -> Any:
+    """The module, which brings numba and is imported only for these tests."""
+    return import_module("pirate_sm.simulation.machine_code.builder")
 
 
-def test_on_other_systems_nothing_is_built(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_on_other_systems_nothing_is_built(
+    builder: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setattr(sys, "platform", "sunos5")
 
     assert builder.this_target() is None
@@ -22,6 +29,7 @@ def test_on_other_systems_nothing_is_built(monkeypatch: pytest.MonkeyPatch, tmp_
 
 
 def test_a_c_library_that_numba_is_not_made_for_counts_as_another_system(
+    builder: Any,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(sys, "platform", "linux")
@@ -44,7 +52,7 @@ def test_a_c_library_that_numba_is_not_made_for_counts_as_another_system(
     ],
 )
 def test_a_failure_names_its_cause(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, told: str, said: str
+    builder: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, told: str, said: str
 ) -> None:
     def failing(command: list[str], **options: Any) -> subprocess.CompletedProcess[str]:
         return subprocess.CompletedProcess(command, 1, "", told)

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from pirate_sm.simulation.machine_code import object_file
 from pirate_sm.simulation.machine_code.entry_points import EntryPoint
 
 
+@pytest.fixture(scope="module")
+def object_file() -> Any:
+    """The module, which brings numba and is imported only for these tests."""
+    return import_module("pirate_sm.simulation.machine_code.object_file")
+
+
 def test_sources_that_change_while_they_are_compiled_do_not_fit_the_library(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    object_file: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A library of which half is new would otherwise be taken for the new sources'."""
     sources = ["as they were"]

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, REAR_CLAMPED, ROOT, Driver, command
+from representative import thorough_but
 
 from pirate_sm.core._model import events as ev
 
@@ -100,7 +101,7 @@ def as_planes(angle_deg: float) -> float:
     return math.remainder(angle_deg, 180.0)
 
 
-@pytest.mark.parametrize("roll_deg", range(-150, 181, 30))
+@pytest.mark.parametrize("roll_deg", thorough_but([-150, -60, 30, 90], range(-150, 181, 30)))
 @pytest.mark.parametrize(("name", "target_deg"), [("AlignHorizontal", 0), ("AlignVertical", 90)])
 @pytest.mark.parametrize("holder", ["rear", "front"])
 def test_the_part_that_does_not_hold_comes_into_the_plane(
