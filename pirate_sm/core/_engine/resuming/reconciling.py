@@ -290,7 +290,7 @@ class _Course:
         return self._watched[alike]
 
     def _refusals(self, names: tuple[str, ...]) -> Iterator[str]:
-        """Yield the faults that no mission may go on with, in these states."""
+        """Yield the faults with which no mission may continue, in these states."""
         words = (*names, *(None for _ in OUTSIDE))
         for rule in self._robot.faults:
             if not rule.catchable:
