@@ -15,7 +15,9 @@ from .candidates import CANDIDATES, NEWT, LateBackend
 
 
 class TestBackends(BackendContract):
-    @pytest.fixture(params=thorough_but(CANDIDATES.keys() - {"physics, round"}, CANDIDATES))
+    @pytest.fixture(
+        params=thorough_but(CANDIDATES.keys() - {"physics, round", "serial, obedient"}, CANDIDATES)
+    )
     def candidate(self, request: pytest.FixtureRequest) -> Candidate:
         return CANDIDATES[request.param]
 

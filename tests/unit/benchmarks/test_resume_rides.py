@@ -12,7 +12,7 @@ MISSION = "prepare_bend"
 """The shortest mission that clamps, bends and drives."""
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", thorough_but(["runner", "power"], KINDS))
 @pytest.mark.parametrize("share", thorough_but([0.9], [0.3, 0.9]))
 def test_whatever_dies_the_mission_goes_on_without_a_let_go(kind: str, share: float) -> None:
     found = ride(Case(MISSION, kind, share, dark_s=1.0))

@@ -174,7 +174,11 @@ def test_sheets_are_not_written_over_somebodys_work(pirate: Any, here: Path) -> 
     [
         (["look", "nothing"], "there is no camera 'nothing'"),
         (["look", "setup_3", "--images", "*.png"], "there are no pictures '*.png'"),
-        (["look", "synthetic", "-o", "a.gif"], "ends in .png or .jpg"),
+        pytest.param(
+            ["look", "synthetic", "-o", "a.gif"],
+            "ends in .png or .jpg",
+            marks=pytest.mark.thorough,
+        ),
         (["survey", "setup_3"], "'setup_3' is a shipped camera: copy"),
         (["calibrate", "synthetic"], "'synthetic' is a shipped camera: copy"),
         (["calibrate", "synthetic", "--no-write"], "no lens to measure"),

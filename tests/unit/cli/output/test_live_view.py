@@ -118,7 +118,7 @@ def test_what_lies_outside_is_not_drawn() -> None:
     assert canvas.rows()[0].plain == "   "
 
 
-@pytest.mark.parametrize("size", [(80, 23), (120, 35)])
+@pytest.mark.parametrize("size", [(80, 23), pytest.param((120, 35), marks=pytest.mark.thorough)])
 def test_the_robot_is_drawn_so_large_that_its_wheels_have_numbers(size: tuple[int, int]) -> None:
     frame = Frames(size, mission=str(NEWT / "patrol.yaml"), backend="sim").frames[-1]
     picture = [line[41:] for line in frame if set(line) & set(BRAILLE)]

@@ -1,6 +1,7 @@
 from math import isnan
 
 import pytest
+from representative import thorough_but
 
 from pirate_sm.lab.experiments.setups import WallContact
 from pirate_sm.lab.experiments.wall_contact import bouncing_step_s, rebound_m
@@ -16,7 +17,7 @@ def test_a_wheel_bounces_fiercely_in_explicit_steps_of_a_millisecond_and_never_i
     assert rebound_m(WALL, 0.020, 1e-4) == 0
 
 
-@pytest.mark.parametrize("mass_kg", [0.020, 0.150])
+@pytest.mark.parametrize("mass_kg", thorough_but([0.150], [0.020, 0.150]))
 def test_it_never_rests_from_the_step_on_in_which_the_damper_increases_a_speed(
     mass_kg: float,
 ) -> None:

@@ -9,6 +9,7 @@ from math import degrees, nan
 from statistics import median
 
 import pytest
+from representative import thorough_but
 
 from pirate_sm.cli.commands.doctor import _look_around
 from pirate_sm.cli.options.devices import DoctorOptions
@@ -173,7 +174,7 @@ def test_a_joint_whose_load_is_not_shown_may_bear_one(
 
 @pytest.mark.parametrize(
     "line",
-    [{}, {"delay_s": 0.1}, pytest.param({"jitter_s": 0.05}, marks=pytest.mark.thorough)],
+    thorough_but([{"delay_s": 0.1}], [{}, {"delay_s": 0.1}, {"jitter_s": 0.05}]),
     ids=str,
 )
 def test_the_robot_has_seen_every_array_that_is_counted_as_written_or_repeated(

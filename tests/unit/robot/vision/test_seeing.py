@@ -169,7 +169,13 @@ def test_a_marker_of_borderline_size_raises_no_error() -> None:
     assert set(seen) == {0, 1}
 
 
-@pytest.mark.parametrize("robot", [None, GREEN, marker(finder="blob"), marker(finder="hough")])
+@pytest.mark.parametrize(
+    "robot",
+    thorough_but(
+        [None, GREEN, marker(finder="blob")],
+        [None, GREEN, marker(finder="blob"), marker(finder="hough")],
+    ),
+)
 @pytest.mark.parametrize("kind", thorough_but(["noise"], ["noise", "black", "white", "stripes"]))
 def test_any_picture_is_searched_without_an_error(robot: dict[str, Any] | None, kind: str) -> None:
     eye, _ = drawn(robot)

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from representative import thorough_but
 
 from benchmarks.force_intervals import forces, press_n
 from pirate_sm.core._geometry.network import Mitre, Network, Straight, planar
@@ -36,7 +37,7 @@ AHEAD = np.array([1.0, -1.0] * 3)
 SETTLED = 10.0
 """After so many of the slowest time constants 5e-5 is left of what a motion has begun with."""
 
-both = pytest.mark.parametrize("section", KINDS)
+both = pytest.mark.parametrize("section", thorough_but(["round"], KINDS))
 between_bars = pytest.mark.parametrize(
     "section", ["bars", pytest.param("round", marks=pytest.mark.thorough)]
 )
