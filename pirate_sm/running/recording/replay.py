@@ -231,6 +231,8 @@ def _placeless(effects: Sequence[Effect]) -> tuple[Any, ...]:
 
 def same(one: Any, other: Any) -> bool:
     """Return whether two events, effects or values are equal; unknown equals unknown."""
+    if one is other:  # most steps have no effects: the same empty tuple
+        return True
     if isinstance(one, float) and isinstance(other, float):
         return one == other or (isnan(one) and isnan(other))
     if isinstance(one, tuple) and isinstance(other, tuple):

@@ -9,15 +9,20 @@ from array import array
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import compress, count, groupby
 from math import degrees, isnan, nan
-from operator import ne
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
 
 from pirate_sm.core.models import Profile
 from pirate_sm.core.models import signals as kinds
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.running.recording.signal_names import current_signals
 from pirate_sm.views.report.contents import Chart, Series
+
+Floats: TypeAlias = npt.NDArray[np.float64]
+Ints: TypeAlias = npt.NDArray[np.int64]
 
 # --- values over time ---------------------------------------------------------------------------
 
@@ -34,6 +39,9 @@ _EACH = 4
 
 _FINEST_S = 1 / 64
 
+_AT_ONCE = 1024
+"""So many rows of numbers are noted together: one at a time takes many times as long."""
+
 
 class Curve:
     """A number over time, with few enough points in memory but the same look.
@@ -46,12 +54,15 @@ class Curve:
         self._times, self._values = array("d"), array("d")
         self._bucket_s = 0.0
 
-    def add(self, at_s: float, value: float) -> None:
-        """Add a point; ``at_s`` must not decrease."""
-        self._times.append(at_s)
-        self._values.append(value)
-        if len(self._times) > _MOST_KEPT:
-            self._thin()
+    def add(self, times_s: Floats, values: Floats) -> None:
+        """Add points; times must not decrease."""
+        while len(times_s):
+            room = _MOST_KEPT + 1 - len(self._times)
+            self._times.frombytes(times_s[:room].tobytes())
+            self._values.frombytes(values[:room].tobytes())
+            times_s, values = times_s[room:], values[room:]
+            if len(self._times) > _MOST_KEPT:
+                self._thin()
 
     def points(self) -> tuple[list[float], list[float]]:
         """Return times and values."""
@@ -61,32 +72,33 @@ class Curve:
 
     def _thin(self) -> None:
         """Reduce the points to at most half of the largest number."""
-        times, values = self._times, self._values
+        times, values = np.array(self._times), np.array(self._values)
         span_s, bucket_s = times[-1] - times[0], self._bucket_s or _FINEST_S
         while span_s / bucket_s > _MOST_KEPT / 2 / _EACH - 2:
             bucket_s *= 2
         self._bucket_s = bucket_s
-        buckets = groupby(range(len(times)), key=lambda index: times[index] // bucket_s)
-        kept = [
-            0,
-            *(index for _, bucket in buckets for index in _representative(list(bucket), values)),
-        ]
-        if kept[1] == 0:
-            del kept[0]
-        self._times = array("d", [times[index] for index in kept])
-        self._values = array("d", [values[index] for index in kept])
+        begins = np.diff(times // bucket_s, prepend=np.nan) != 0
+        kept = _representative(begins.nonzero()[0], values)
+        self._times = array("d", times[kept].tobytes())
+        self._values = array("d", values[kept].tobytes())
 
 
-def _representative(bucket: Sequence[int], values: Sequence[float]) -> Iterable[int]:
-    """Return the indices of the points that represent a bucket, in order."""
-    known = [index for index in bucket if not isnan(values[index])]
-    kept = {bucket[-1]}
-    if known:
-        kept.add(min(known, key=values.__getitem__))
-        kept.add(max(known, key=values.__getitem__))
-    if len(known) < len(bucket):
-        kept.add(next(index for index in bucket if isnan(values[index])))
-    return sorted(kept)
+def _representative(begins: Ints, values: Floats) -> Ints:
+    """Return the indices of the first point and of those that represent each bucket, in order.
+
+    Args:
+        begins: Where the buckets begin, the first one at 0.
+        values: The values of all points, NaN if unknown.
+    """
+    sizes = np.diff(begins, append=len(values))
+    bucket = np.repeat(np.arange(len(begins)), sizes)
+    least, most = (of.reduceat(values, begins)[bucket] for of in (np.fmin, np.fmax))
+    kept = np.zeros(len(values), np.bool_)
+    kept[0] = kept[begins + sizes - 1] = True
+    for alike in (values == least, values == most, np.isnan(values)):
+        found = alike.nonzero()[0]
+        kept[found[np.diff(bucket[found], prepend=-1) > 0]] = True  # the first of each bucket
+    return kept.nonzero()[0]
 
 
 class Samples:
@@ -95,8 +107,10 @@ class Samples:
     def __init__(self, count: int) -> None:
         self._curves = [Curve() for _ in range(count)]
         self._last: tuple[float, ...] = (nan,) * count
+        self._noted = self._last
+        self._rows: list[tuple[float, tuple[float, ...], tuple[int, ...]]] = []
 
-    def take(self, at_s: float, numbers: tuple[float, ...], measured: Sequence[int] = ()) -> None:
+    def take(self, at_s: float, numbers: tuple[float, ...], measured: tuple[int, ...] = ()) -> None:
         """Note the numbers that were measured now, and those that changed.
 
         Args:
@@ -106,15 +120,27 @@ class Samples:
         """
         if numbers is self._last:
             return
-        last = self._last
-        changed = {
-            index
-            for index in compress(count(), map(ne, last, numbers))
-            if not (isnan(last[index]) and isnan(numbers[index]))
-        }
-        for index in changed.union(measured):
-            self._curves[index].add(at_s, numbers[index])
         self._last = numbers
+        self._rows.append((at_s, numbers, measured))
+        if len(self._rows) == _AT_ONCE:
+            self._note()
+
+    def _note(self) -> None:
+        """Add what was taken to the curves."""
+        if not self._rows:
+            return
+        times, rows, measured = zip(*self._rows, strict=True)
+        self._rows = []
+        times_s, numbers = np.array(times), np.array((self._noted, *rows), np.float64)
+        self._noted = rows[-1]
+        unknown = np.isnan(numbers)
+        added = (numbers[1:] != numbers[:-1]) & ~(unknown[1:] & unknown[:-1])
+        for indices in set(measured):
+            own = [row for row, each in enumerate(measured) if each == indices]
+            added[np.ix_(own, indices)] = True
+        for index in added.any(axis=0).nonzero()[0].tolist():
+            own = added[:, index]
+            self._curves[index].add(times_s[own], numbers[1:, index][own])
 
     def series(
         self,
@@ -134,6 +160,7 @@ class Samples:
             stepped: As in the curve.
             until_s: Time up to which the last value held; None: no longer than its own time.
         """
+        self._note()
         times, values = self._curves[index].points()
         values = [value * scale for value in values]
         if until_s is not None and times and times[-1] < until_s:
@@ -153,11 +180,8 @@ def thinned(
     if size <= most:
         return list(times_s), list(values)
     buckets = max(1, most // _EACH)
-    kept = {0}
-    for number in range(buckets):
-        bucket = range(size * number // buckets, size * (number + 1) // buckets)
-        kept.update(_representative(bucket, values))
-    chosen = sorted(kept)
+    begins = size * np.arange(buckets) // buckets
+    chosen = _representative(begins, np.array(values, np.float64)).tolist()
     return [times_s[index] for index in chosen], [values[index] for index in chosen]
 
 

@@ -12,7 +12,7 @@ from pirate_sm.core.engine import EngineState
 from pirate_sm.core.events import InSpace
 from pirate_sm.core.geometry import Frame, Place, Route, RouteJoint, drawn_walls
 from pirate_sm.core.models import Pipe, Profile
-from pirate_sm.core.robot import RobotSpec, confirmed_parts
+from pirate_sm.core.robot import RobotSpec, RobotState, confirmed_parts
 from pirate_sm.running.recording.signal_names import add_evenly
 from pirate_sm.running.recording.viewers.pipe_walls import (
     outlines,
@@ -281,10 +281,13 @@ class Holding:
         self._robot = robot
         self._since: dict[int, tuple[float, bool]] = {}
         self._spans: list[list[Span]] = [[] for _ in robot.parts]
+        self._seen: RobotState | None = None
 
     def look(self, state: EngineState, now_s: float) -> bool:
         """Note which parts hold now; return whether another one has been shown to."""
-        closed = False
+        if state.robot is self._seen:  # frames seldom change it
+            return False
+        self._seen, closed = state.robot, False
         held = self._robot.held[state.robot.configuration]
         confirmed = confirmed_parts(self._robot, state.robot) if held else held
         for part in range(len(self._robot.parts)):

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from math import isnan, nan
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -47,7 +48,7 @@ def test_a_curve_of_any_length_looks_the_same_and_takes_no_more_room(
         patch.setattr(charts, "_MOST_KEPT", 64)
         curve, most = Curve(), 0
         for number, value in enumerate(values):
-            curve.add(number * apart_s, value)
+            curve.add(np.array([number * apart_s]), np.array([value]))
             most = max(most, len(curve._times))
         times, kept = curve.points()
 
@@ -67,8 +68,8 @@ def test_a_long_curve_is_as_fine_all_along():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(charts, "_MOST_KEPT", 400)
         curve = Curve()
-        for number in range(20_000):
-            curve.add(0.5 * number, number % 7)
+        numbers = np.arange(20_000)
+        curve.add(0.5 * numbers, numbers % 7.0)
         times, _ = curve.points()
 
     in_each = [sum(low <= at_s < low + 1_000 for at_s in times) for low in range(0, 10_000, 1_000)]
