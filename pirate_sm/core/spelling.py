@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from difflib import get_close_matches
 
 _LONGEST_WORD = 64  # difflib is quadratic; nobody misspells a name of this length
@@ -10,6 +12,22 @@ _CUTOFF = 0.6
 _CUTOFF_OTHER_LETTER = 0.75  # a slip of a finger seldom changes the first letter
 _OPPOSITE = "un"
 _ENDINGS = (".yaml", ".yml")
+
+_compared: ContextVar[tuple[str, dict[str, None]] | None] = ContextVar("compared", default=None)
+
+
+@contextmanager
+def compared_with(word: str) -> Iterator[dict[str, None]]:
+    """Return a context that collects the names with which a word is compared, in their order.
+
+    An impossible word in a file shows in this way which words are possible in its place.
+    """
+    found: dict[str, None] = {}
+    before = _compared.set((_fold(word), found))
+    try:
+        yield found
+    finally:
+        _compared.reset(before)
 
 
 def nearest(word: str, candidates: Iterable[str]) -> str | None:
@@ -23,7 +41,9 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
     by_fold: dict[str, str] = {}
     for candidate in candidates:
         by_fold.setdefault(_fold(candidate), candidate)
-    folded = _fold(word)
+    folded, compared = _fold(word), _compared.get()
+    if compared is not None and compared[0] == folded:
+        compared[1].update(dict.fromkeys(by_fold.values()))
     if folded in by_fold:
         return by_fold[folded]
     opposites = {_OPPOSITE + folded, folded.removeprefix(_OPPOSITE)}

@@ -12,6 +12,7 @@ import os
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
+from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
 
 from lsprotocol import types
@@ -23,8 +24,11 @@ from pirate_sm.checking.kept_results import KeptInMemory
 from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.core.documents import Document, FileKind, LoadError, kind_of_text, parse_document
 from pirate_sm.core.errors import PirateError
+from pirate_sm.core.loading import TOLERABLE, load_mission, references
 from pirate_sm.core.on_disk import unsaved
+from pirate_sm.core.spelling import compared_with
 from pirate_sm.views.editor import outline
+from pirate_sm.views.editor.completions import PossibleWord, gap, offers
 from pirate_sm.views.editor.positions import Positions
 from pirate_sm.views.editor.shown_findings import SOURCE, CheckedTexts
 
@@ -70,6 +74,8 @@ class Editor:
         kinds = [types.CodeActionKind.QuickFix, types.CodeActionKind.SourceFixAll]
         offered = types.CodeActionOptions(code_action_kinds=kinds)
         self._server.feature(types.TEXT_DOCUMENT_CODE_ACTION, offered)(partial(self._actions))
+        begins = types.CompletionOptions(trigger_characters=[" ", "$"])
+        self._server.feature(types.TEXT_DOCUMENT_COMPLETION, begins)(partial(self._completions))
 
     def serve(self, messages: BinaryIO, answers: BinaryIO) -> None:
         """Answer until the editor ends.
@@ -182,6 +188,30 @@ class Editor:
 
         return [each for each in last.actions(path, asked.range) if is_wanted(_plain(each.kind))]
 
+    async def _completions(self, asked: types.CompletionParams) -> list[types.CompletionItem]:
+        """Return the words that are possible at a place; loading is asked in a thread."""
+        file = self._server.workspace.get_text_document(asked.text_document.uri)
+        text, path = file.source, os.path.realpath(file.path)
+        texts = {path: _content(file.source) for path, file in self._open().items()}
+        positions = Positions(text, self._server.workspace.position_codec)
+        start, end = gap(text, positions.index_of(asked.position))
+
+        def compared(changed: str, word: str) -> list[str]:
+            with compared_with(word) as names, unsaved({**texts, path: changed.encode()}):
+                if kind_of_text(changed) is FileKind.MISSION:  # no need to explore it
+                    with suppress(PirateError), references.kept_inside(wanted=True):
+                        load_mission(Path(path), tolerated=TOLERABLE)
+                else:
+                    self._check([path])
+            return [*names]
+
+        def work() -> list[PossibleWord]:
+            return [*offers(text, start, end, compared)]
+
+        made = asyncio.get_running_loop().run_in_executor(self._server.thread_pool, work)
+        place = positions.between(start, end)
+        return [_item(each, place) for each in await made]
+
     def _symbols(self, asked: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
         return self._outline(asked.text_document.uri, outline.symbols)
 
@@ -197,6 +227,13 @@ class Editor:
             self._outlined[uri] = document, positions
         known = self._outlined.get(uri)
         return of(*known) if known else []
+
+
+def _item(offer: PossibleWord, place: types.Range) -> types.CompletionItem:
+    kinds = types.CompletionItemKind
+    new = types.TextEdit(place, f"{offer.word}: " if offer.is_key else offer.word)
+    kind = kinds.Property if offer.is_key else kinds.Value
+    return types.CompletionItem(offer.word, kind=kind, text_edit=new)
 
 
 def _plain(kind: types.CodeActionKind | str | None) -> str | None:

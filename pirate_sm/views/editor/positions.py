@@ -44,6 +44,15 @@ class Positions:
         before = self._text[self._begins_there[line] : index]
         return Position(line, self._codec.client_num_units(before))
 
+    def index_of(self, position: Position) -> int:
+        """Return the index of a position; that of the end of its line if it is short."""
+        line = min(position.line, len(self._begins_there) - 1)
+        begin: int = self._begins_there[line]
+        end = self._begins_there[line + 1] if line + 1 < len(self._begins_there) else None
+        text = self._text[begin:end].rstrip("\r\n")
+        counts = accumulate(map(self._codec.client_num_units, text))
+        return begin + sum(int(each <= position.character) for each in counts)
+
     def between(self, start: int, end: int) -> Range:
         """Return the range of the text from one index to another."""
         return Range(self.at(start), self.at(end))

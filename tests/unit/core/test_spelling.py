@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.core.spelling import nearest, one_of, unknown
+from pirate_sm.core.spelling import compared_with, meant, nearest, one_of, unknown
 
 NAMES = ["GripNose", "GripTail", "Halt", "go_on"]
 
@@ -63,3 +63,14 @@ def test_all_unknown_names_are_named_at_once() -> None:
         "there is no step 'x' or 'y': expected one of GripNose, GripTail, Halt, go_on"
     )
     assert unknown("it has no", ["x"], [], "it has none") == "it has no 'x': it has none"
+
+
+def test_an_impossible_word_collects_the_names_that_it_is_compared_with() -> None:
+    with compared_with("zzqxj") as names:
+        nearest("zzqxj", ["drive", "halt"])
+        nearest("drvie", ["drive", "rest"])
+        meant("zzqxj", iter(["halt", "grip"]))
+
+    assert [*names] == ["drive", "halt", "grip"]
+    assert nearest("zzqxj", ["later"]) is None
+    assert [*names] == ["drive", "halt", "grip"]
