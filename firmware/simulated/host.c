@@ -21,6 +21,7 @@
  *     jump             the same without a flag that says why, as behind a boot loader that clears it
  *     power            restart it after a loss of power: memory holds nothing
  *     hang             make the main loop hang where it sleeps next, until the next restart
+ *     deaf             the same with interrupts switched off
  *     stack BOTTOM     paint the memory from this address to the stack; answered by how many bytes
  *                      of the paint are left since the last time
  */
@@ -120,12 +121,17 @@ static void deliver(struct line *line)
 
 /* --- running ----------------------------------------------------------------------------------- */
 
-static bool hangs_next;
+static bool hangs_next, deaf_next;
 static uint16_t hung_at, hung_word;
 
 static void hang(void)
 {
-    hangs_next = false;
+    if (deaf_next) {
+        avr->sreg[S_I] = 0;
+        avr->interrupt_state = 0;
+        avr->state = cpu_Running;
+    }
+    hangs_next = deaf_next = false;
     hung_at = (uint16_t)avr->pc;
     hung_word = (uint16_t)(avr->flash[hung_at] | avr->flash[hung_at + 1] << 8);
     avr->flash[hung_at] = SELF_LOOP & 0xFF;
@@ -267,6 +273,9 @@ int main(int argc, char **argv)
             fprintf(answers, "\n");
         } else if (strncmp(line, "hang", 4) == 0) {
             hangs_next = true;
+            fprintf(answers, "\n");
+        } else if (strncmp(line, "deaf", 4) == 0) {
+            hangs_next = deaf_next = true;
             fprintf(answers, "\n");
         } else if (sscanf(line, "stack %u", &address) == 1) {
             fprintf(answers, "%u\n", paint(address));

@@ -71,7 +71,7 @@ uint32_t bits_of_state(int32_t value) {
 bool Node::hears(Ticks now) {
   while (!in_.empty()) {
     if (!reader_.take(in_.get(), now)) continue;
-    if (reader_.topic() == SETPOINTS) return true;
+    if (reader_.topic() == SETPOINTS && met_) return true;
     obey(now);
   }
   return false;
@@ -80,7 +80,7 @@ bool Node::hears(Ticks now) {
 void Node::obey(Ticks now) {
   switch (reader_.topic()) {
     case REQUEST_TOPICS:
-      configured_ = asked_for_topics_ = true;
+      met_ = configured_ = asked_for_topics_ = true;
       introduced_ = 0;
       answered_ = now;
       break;

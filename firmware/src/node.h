@@ -17,7 +17,8 @@ class Node {
   Node(FromHost& in, ToHost& out) : in_(in), writer_(out) {}
 
   // Takes the bytes that have come, up to the next payload for the topic of setpoints; returns
-  // whether there is one, `payload()` of `length()` bytes, valid until the next call.
+  // whether there is one, `payload()` of `length()` bytes, valid until the next call. There is none
+  // before a host has asked for the topics: it may not know of the restart, and repeats an array.
   bool hears(Ticks now);
   const uint8_t* payload() const { return reader_.payload(); }
   uint8_t length() const { return reader_.length(); }
@@ -50,6 +51,7 @@ class Node {
   FromHost& in_;
   Writer writer_;
   Reader reader_;
+  bool met_ = false;  // whether a host has asked for the topics since the restart
   bool configured_ = false;
   bool asked_for_topics_ = false;
   uint8_t introduced_ = 0;

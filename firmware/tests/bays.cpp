@@ -104,12 +104,24 @@ TEST(an_array_is_in_force_within_two_cycles_and_echoed_whole) {
   CHECK(echoes.size() == 1 && echoes[0].payload == payload);
 }
 
-TEST(an_array_is_obeyed_also_by_a_firmware_that_was_never_asked) {
+TEST(no_array_is_obeyed_before_the_host_has_asked_because_it_may_not_know_of_the_restart) {
   Desk desk;
   desk.send(Frame{SETPOINTS, array_payload(1, 10)});
   desk.run(100);
+  introduce(desk);
+  CHECK(desk.boards[0].values[0] == 0);
+  desk.send(Frame{SETPOINTS, array_payload(2, 20)});
+  desk.run(100);
+  CHECK(all(desk, 20));
+}
+
+TEST(an_array_is_obeyed_also_by_a_firmware_that_has_fallen_silent) {
+  Desk desk;
+  introduce(desk);
+  desk.send(Frame{11, {}});
+  desk.send(Frame{SETPOINTS, array_payload(1, 10)});
+  desk.run(100);
   CHECK(all(desk, 10));
-  CHECK(desk.heard().empty());
 }
 
 TEST(an_array_that_is_refused_changes_nothing_and_is_told) {

@@ -23,7 +23,7 @@ from pirate_sm.simulation.bay.firmware import Record
 from pirate_sm.simulation.bay.node_handle import Wire, message_texts
 from pirate_sm.simulation.kinematic.world import kinematic
 from pirate_sm.simulation.physics import MakePhysics
-from pirate_sm.simulation.simulated_robot import CycleReading, FullTruth, SimulatedRobot
+from pirate_sm.simulation.simulated_robot import CycleReading, SimulatedRobot
 
 HERTZ = 16_000_000
 LOOK_S = 0.002
@@ -114,11 +114,13 @@ class AvrBay:
         start_values: Setpoints of the configuration at the start, one per slot.
         defects: Defects of the profile, as text with their numbers.
         physics: Makes the physics that moves the robot.
-        towards: What happens to bytes on their way to the bay; ``back``, to the host.
+        towards: What happens to bytes on their way to the bay; ``back``, to the host; ``bus``, from
+            its boards.
 
     Attributes:
         robot: The simulated robot.
         counts: What each slot's board has in force, as integers of the wire.
+        in_force: When boards were written to, and all slots' counts then.
         dead: Boards that answer nothing.
         still_since_s: Since when every wheel has been at zero; infinite while one is driven.
         records: Stays empty.
@@ -137,6 +139,7 @@ class AvrBay:
         physics: MakePhysics = kinematic,
         towards: Noise | None = None,
         back: Noise | None = None,
+        bus: Noise | None = None,
     ) -> None:
         self._wire = Wire(profile, message_texts(folder, profile))
         self.robot = SimulatedRobot(
@@ -148,11 +151,12 @@ class AvrBay:
         steps = self._wire.values(Array(0, (1,) * len(profile.slots)))
         values = start_values or (0.0,) * len(profile.slots)
         self.counts = [round(value / step) for value, step in zip(values, steps, strict=True)]
+        self.in_force: list[tuple[float, tuple[int, ...]]] = []
         self.wheels = [at for at, slot in enumerate(profile.slots) if slot.wheel is not None]
         self.still_since_s = 0.0
         self._cycle_s = self._world_s = profile.link.cycle
         self._turn = next(iter(self._readings.values()))
-        self._towards, self._back = towards or Noise(), back or Noise()
+        self._towards, self._back, self._bus = (each or Noise() for each in (towards, back, bus))
         self.controller = Controller(built)
         self._end = built.end
         self.unused_stack()
@@ -162,16 +166,6 @@ class AvrBay:
         self._now_s = 0.0
         self._to_host: list[tuple[int, int]] = []
         self._to_boards = b""
-
-    @property
-    def truth(self) -> FullTruth:
-        """The robot's true position and state."""
-        return self.robot.truth
-
-    @property
-    def duties(self) -> tuple[float, ...]:
-        """Duties in force: of the joints at each wheel, then of the wheels."""
-        return self.robot.duties
 
     @property
     def due_s(self) -> float:
@@ -260,12 +254,14 @@ class AvrBay:
             data += pack(f"<{len(counts)}i", *(round(count) for count in counts))
         answer = bytes((mark, board, kind + 32, len(data))) + data
         answer += crc_hqx(answer, 0xFFFF).to_bytes(2, "little")
-        self.controller.does(f"bus {_cycles(now_s + _TURNS_ROUND_S)} {answer.hex()}")
+        if arriving := self._bus.damage(answer):
+            self.controller.does(f"bus {_cycles(now_s + _TURNS_ROUND_S)} {arriving.hex()}")
 
     def _write(self, slots: Sequence[int], mask: int, counts: Sequence[int], now_s: float) -> None:
         for at, (slot, count) in enumerate(zip(slots, counts, strict=True)):
             if mask >> at & 1:
                 self.counts[slot] = count
+        self.in_force.append((now_s, tuple(self.counts)))
         self.robot.set_values(self._wire.values(Array(0, tuple(self.counts))))
         if any(self.counts[slot] for slot in self.wheels):
             self.still_since_s = inf

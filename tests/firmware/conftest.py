@@ -19,18 +19,18 @@ Build = Callable[[Path], Built]
 
 
 @pytest.fixture(scope="session")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Build:
+def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
     """The firmware of the robot in a folder."""
     folder, ready = tmp_path_factory.mktemp("firmware"), dict[Path, Built]()
 
     def building(robot: Path) -> Built:
         if robot not in ready:
-            build = folder / robot.name
-            build.mkdir()
-            (build / "robot.h").write_text(firmware_header(*of(robot)), encoding="utf-8")
-            made("all", build / "out", build / "robot.h")
+            own = folder / robot.name
+            own.mkdir()
+            (own / "robot.h").write_text(firmware_header(*of(robot)), encoding="utf-8")
+            made("all", own / "out", own / "robot.h")
             made("host", folder)
-            elf = build / "out" / "firmware.elf"
+            elf = own / "out" / "firmware.elf"
             ready[robot] = Built(folder / "host", elf, _end_of_memory(elf))
         return ready[robot]
 
@@ -45,10 +45,10 @@ def _end_of_memory(elf: Path) -> int:
 
 
 @pytest.fixture(scope="session")
-def six_wheeled(built: Build) -> Built:
-    return built(SIX_WHEELED)
+def six_wheeled(build: Build) -> Built:
+    return build(SIX_WHEELED)
 
 
 @pytest.fixture(scope="session")
-def newt(built: Build) -> Built:
-    return built(NEWT)
+def newt(build: Build) -> Built:
+    return build(NEWT)

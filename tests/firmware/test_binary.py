@@ -2,188 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from struct import pack
 
 import pytest
 
 from benchmarks.arrays import loaded_mission
-from pirate_sm.core.engine import Engine
+from pirate_sm.core.errors import BackendError
 from pirate_sm.core.loading import load_pipe
 from pirate_sm.robot.backends.protocol import Backend
-from pirate_sm.robot.backends.serial.assembly import read_plan
 from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.robot.backends.serial.firmware_tables import tables_of
-from pirate_sm.robot.detectors.registry import Asked, detecting
-from pirate_sm.robot.diagnosis.facts import ExpectedRobot, Facts
-from pirate_sm.robot.diagnosis.judgement import judged
-from pirate_sm.robot.diagnosis.listening import Listening
-from pirate_sm.robot.diagnosis.moving import Moving
+from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.robot.rosserial.frames import (
     LOG,
+    REQUEST_TOPICS,
     TIME,
+    TX_STOP,
     Decoder,
     SerialFrame,
     encode,
     read_log,
     time_payload,
 )
-from pirate_sm.running.runtime.backend_links import Holder
-from pirate_sm.running.runtime.ending import Result
-from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.scripted_events import FirstChoice
-from pirate_sm.running.wiring.backends import start_values
 from pirate_sm.simulation.bay.virtual import VirtualPort
 from pirate_sm.simulation.kinematic.world import World
 from pirate_sm.testing import BackendContract, Candidate
 from tests.conformance.candidates import NEWT, candidate
-from tests.unit.robot.diagnosis.conftest import BayPort
 
-from .avr_bay import AvrBay, Built, Noise
+from .avr_bay import AvrBay, Built
+from .doctor import examined
+from .rides import STAND_WITHIN_S
 from .test_tables import SIX_WHEELED, of
 
 pytestmark = [pytest.mark.firmware, pytest.mark.timeout(900)]
 
-STAND_WITHIN_S = 0.6
-"""In this time wheels stand, whatever dies [issue: 600 ms; the switch takes 500 ms of them]."""
-
-LEAST_STACK = 1000
-"""Bytes that the stack must never have reached."""
-
 ROUNDS = 100
-
-
-# --- the production driver ------------------------------------------------------------------------
-
-
-class Ride:
-    """The bend mission on the binary."""
-
-    def __init__(self, built: Built, seed: int = 1, noise: float = 0.0) -> None:
-        self.loaded = loaded = loaded_mission()
-        robot = loaded.loaded_robot
-        self.bay = AvrBay(
-            *(built, robot.profile, robot.folder, loaded.pipe),
-            seed=seed,
-            start_values=start_values(loaded),
-            towards=Noise(noise, noise, seed),
-            back=Noise(noise, noise, seed + 1),
-        )
-        plan = read_plan(robot.folder, robot.profile, loaded.robot)
-        self.port = Saboteur(self.bay, plan.serial.heartbeat_within)
-        self.backend = SerialBackend(plan, self.port)
-
-    def run(self) -> Result:
-        loaded = self.loaded
-        asked = Asked(loaded.loaded_robot.profile, loaded.robot, loaded.pipe)
-        companions = (
-            Holder(self.backend.hold),
-            *detecting(None, "odometry", asked).companions,
-            FirstChoice(),
-        )
-        engine = Engine(loaded.robot, loaded.program, nominal=False)
-        return MissionRun(engine, self.backend, companions=companions).execute()
-
-
-class KilledError(BaseException):
-    """The program has ended without a chance to do anything."""
-
-
-class Saboteur(VirtualPort):
-    """Does something when wheels have been driven for a second.
-
-    Attributes:
-        sabotage: What is done.
-        at_s: When it was done.
-        held: What the other slots had in force then.
-    """
-
-    def __init__(self, bay: AvrBay, silence_s: float) -> None:
-        super().__init__(bay, silence_s)
-        self.bay = bay
-        self.sabotage: Callable[[], object] | None = None
-        self.at_s = 0.0
-        self.held: dict[int, int] = {}
-        self._driven_s = 0.0
-
-    def write(self, data: bytes) -> None:
-        now = self.now()
-        if self.bay.still_since_s <= now:
-            self._driven_s = now
-        elif self.sabotage is not None and now > self._driven_s + 1.0:
-            counts = enumerate(self.bay.counts)
-            self.held = {at: count for at, count in counts if at not in self.bay.wheels}
-            self.at_s, sabotage, self.sabotage = now, self.sabotage, None
-            sabotage()
-        super().write(data)
-
-    def unplug(self) -> None:
-        self.plugged = False
-
-    def kill(self, guardian: bool) -> None:
-        if guardian:
-            self.die(self.at_s + 2.0)
-        else:
-            self.abandon()
-            self.bay.advance(self.at_s + 2.0)
-        raise KilledError
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_the_bend_is_passed_and_the_stack_has_room(six_wheeled: Built, seed: int) -> None:
-    ride = Ride(six_wheeled, seed)
-
-    result = ride.run()
-
-    assert result.ended.outcome == "succeeded", result.ended
-    assert ride.bay.still_since_s < ride.port.now()
-    assert ride.bay.unused_stack() > LEAST_STACK
-
-
-def test_the_bend_is_passed_where_bytes_are_lost_and_flipped(six_wheeled: Built) -> None:
-    ride = Ride(six_wheeled, noise=0.001)
-
-    assert ride.run().ended.outcome == "succeeded"
-
-
-def test_wheels_stand_and_nothing_is_let_go_of_when_the_cable_is_unplugged(
-    six_wheeled: Built,
-) -> None:
-    ride = Ride(six_wheeled)
-    ride.port.sabotage = ride.port.unplug
-
-    assert ride.run().ended.message.startswith("link.lost")
-    assert ride.bay.still_since_s < ride.port.at_s + STAND_WITHIN_S
-    assert {slot: ride.bay.counts[slot] for slot in ride.port.held} == ride.port.held
-
-
-def test_wheels_stand_and_nothing_is_let_go_of_when_the_main_loop_hangs(
-    six_wheeled: Built,
-) -> None:
-    ride = Ride(six_wheeled)
-    ride.port.sabotage = lambda: ride.bay.controller.does("hang")
-
-    ended = ride.run().ended
-
-    assert ended.message.startswith("firmware.reset") or ended.outcome == "succeeded", ended
-    words = [line.text for line in ride.backend.exchange.conversation.words]
-    assert any("the watchdog restarted it" in line for line in words), words
-
-
-@pytest.mark.parametrize("guardian", [True, False], ids=["guarded", "alone"])
-def test_wheels_stand_and_nothing_is_let_go_of_when_the_host_is_killed(
-    six_wheeled: Built, guardian: bool
-) -> None:
-    """Killed alone, and its guardian with it."""
-    ride = Ride(six_wheeled)
-    ride.port.sabotage = partial(ride.port.kill, guardian)
-
-    with pytest.raises(KilledError):
-        ride.run()
-
-    assert ride.bay.still_since_s < ride.port.at_s + STAND_WITHIN_S
-    assert {slot: ride.bay.counts[slot] for slot in ride.port.held} == ride.port.held
 
 
 # --- a host of our own ----------------------------------------------------------------------------
@@ -331,24 +185,15 @@ def test_it_publishes_every_cycle_and_echoes_within_a_few(speaker: Speaker) -> N
 # --- the doctor, and the contract of every backend ------------------------------------------------
 
 
-def examined(built: Built, dead: int | None = None, stop_after: float = 0.5) -> Facts:
+def patient() -> LinkPlan:
+    """The plan of the shipped robot, had it a dead man's switch that waits for longer."""
     profile, plan = of(SIX_WHEELED)
-    plan = plan._replace(serial=plan.serial.model_copy(update={"stop_after": stop_after}))
-    loaded = loaded_mission()
-    bay = AvrBay(built, profile, SIX_WHEELED, loaded.pipe, seed=3)
-    bay.dead.update({dead} if dead is not None else ())
-    subject = ExpectedRobot(profile, loaded.robot, plan)
-    with Listening(subject, BayPort(bay), plan.serial.baud, lambda: None) as listening:
-        listening.listen(5.0)
-        facts = listening.facts()
-        if dead is None:
-            moved = Moving(listening, lambda text: None).run()
-            assert moved.accepted == moved.sent
-    return judged(facts, subject)
+    plan = plan._replace(serial=plan.serial.model_copy(update={"stop_after": 0.6}))
+    return plan._replace(tables=tables_of(profile, plan))
 
 
 def test_the_doctor_says_go(six_wheeled: Built) -> None:
-    facts = examined(six_wheeled)
+    facts = examined(six_wheeled, loaded_mission())
 
     assert facts.go
     assert not [each for each in facts.findings if each.level != "note"]
@@ -356,14 +201,26 @@ def test_the_doctor_says_go(six_wheeled: Built) -> None:
 
 
 def test_the_doctor_refuses_a_robot_whose_tables_differ(six_wheeled: Built) -> None:
-    facts = examined(six_wheeled, stop_after=0.6)
+    facts = examined(six_wheeled, loaded_mission(), plan=patient())
 
     assert not facts.go
     assert any("then build and flash it" in each.message for each in facts.findings)
 
 
+def test_a_run_with_other_tables_is_refused_before_anything_is_written(six_wheeled: Built) -> None:
+    profile, plan = of(SIX_WHEELED)
+    bay = AvrBay(six_wheeled, profile, SIX_WHEELED, loaded_mission().pipe)
+    port = VirtualPort(bay, plan.serial.heartbeat_within)
+
+    with pytest.raises(BackendError, match="then build and flash it"):
+        SerialBackend(patient(), port).open()
+
+    written = Decoder().feed(b"".join(data for _, data in port.written))
+    assert {frame.topic for frame in written} <= {REQUEST_TOPICS, TIME, TX_STOP}
+
+
 def test_the_doctor_names_a_board_that_does_not_answer(six_wheeled: Built) -> None:
-    facts = examined(six_wheeled, dead=25)
+    facts = examined(six_wheeled, loaded_mission(), dead=25)
 
     assert not facts.go
     assert "no answer from board 25" in [text for _, text in facts.words]
@@ -379,4 +236,4 @@ class TestContract(BackendContract):
             bay = AvrBay(newt, profile, NEWT, pipe, seed=seed, physics=World)
             return SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))
 
-        return candidate(make, lambda backend: backend.port.device.truth.wheels)
+        return candidate(make, lambda backend: backend.port.device.robot.truth.wheels)

@@ -1,12 +1,14 @@
 """The emulated bay is held to what is flashed: to equal bytes of a host both answer equal frames.
 
-Two differences are meant. The emulated bay has the memory of rosserial's own client, and announces
-it. Its echoes come when those of the robot at hand do; the binary's, when its boards have answered.
+Two differences are meant. The emulated bay has the memory of rosserial's own client: it announces
+it, and takes a short payload together with what came before. Its echoes come when those of the
+robot at hand do; the binary's, when its boards have answered.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from struct import unpack_from
 from typing import NamedTuple
 
 import numpy as np
@@ -114,6 +116,64 @@ def test_boards_report_in_the_same_order(bays: tuple[Device, Device]) -> None:
     assert real[:count] == emulated[at : at + count]
 
 
+def test_boards_report_the_same_of_a_robot_at_rest(bays: tuple[Device, Device]) -> None:
+    """In messages of equal length; each reading has its own noise."""
+    script = [Sent(0.1, encode(0)), Sent(2.0, encode(TIME, time_payload(0.0)))]
+
+    real, emulated = (
+        by_board([frame.payload for frame in on({STATE}, answers(bay, script, 4.0))])
+        for bay in bays
+    )
+
+    assert real.keys() == emulated.keys()
+    for board, counts in real.items():
+        others = emulated[board]
+        spread = np.sqrt(counts.var(axis=0) / len(counts) + others.var(axis=0) / len(others))
+        differ = np.abs(counts.mean(axis=0) - others.mean(axis=0))
+        assert np.all(differ <= 5.0 * spread + 0.5), board
+
+
+def by_board(payloads: Sequence[bytes]) -> dict[int, np.ndarray]:
+    """Counts of each board's channels, one row for each of its messages."""
+    assert {len(payload) for payload in payloads} == {1 + 9 * 4}
+    boards = {payload[0] for payload in payloads}
+    return {
+        board: np.array([unpack_from("<9f", each, 1) for each in payloads if each[0] == board])
+        for board in boards
+    }
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_to_a_conversation_of_any_frames_both_answer_the_same(
+    bays: tuple[Device, Device], seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    script, at_s, array_s = [Sent(0.1, encode(0))], 0.4, 0.0
+    for number in range(100):
+        counts = [int(count * rng.uniform(0, 1)) for count in DRIVEN]
+        frames = {
+            "array": encode(100, array(number, counts, HELD)),
+            "time": encode(TIME, time_payload(at_s)),
+            "topics": encode(0),
+            "stop": encode(11),
+            "log": encode(LOG, b"\0" * 5),
+            "noise": bytes(rng.integers(0, 256, 20, dtype=np.uint8)),
+        }
+        what = rng.choice(list(frames), p=[0.55, 0.2, 0.1, 0.05, 0.05, 0.05])
+        script.append(Sent(at_s, frames[what]))
+        array_s = at_s if what == "array" else array_s
+        at_s += rng.choice([0.14, 0.3, 0.7, 1.3])
+        if abs((at_s - array_s + 0.25) % 0.5 - 0.25) < 0.1:  # the switch trips about then
+            at_s += 0.2
+
+    real, emulated = (answers(bay, script, at_s) for bay in bays)
+
+    assert introduced(real) == introduced(emulated)
+    assert abs(len(on({TIME}, real)) - len(on({TIME}, emulated))) <= 1
+    assert on({ECHO}, real) == on({ECHO}, emulated)
+    assert len(on({ECHO}, real)) > 30
+
+
 def test_to_arrays_whole_damaged_and_missing_the_same_echoes_come(
     bays: tuple[Device, Device],
 ) -> None:
@@ -148,4 +208,13 @@ def test_what_nobody_listens_to_is_answered_by_neither(bays: tuple[Device, Devic
     real, emulated = (answers(bay, script, 2.0) for bay in bays)
 
     assert introduced(real) == introduced(emulated)
+    assert on({ECHO}, real) == on({ECHO}, emulated) == []
+
+
+def test_no_array_is_obeyed_before_the_topics_were_asked_for(bays: tuple[Device, Device]) -> None:
+    """Had one of them obeyed, its dead man's switch would say so later."""
+    script = [Sent(0.1, encode(100, array(1, DRIVEN, HELD))), Sent(0.2, encode(0))]
+
+    real, emulated = (answers(bay, script, 2.0) for bay in bays)
+
     assert on({ECHO}, real) == on({ECHO}, emulated) == []

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from pirate_sm.core.geometry import GRAVITY_M_S2
 from pirate_sm.core.models import Advice, Board, Channel
-from pirate_sm.robot.backends.serial.firmware_tables import said_tables, tables_of
 from pirate_sm.robot.backends.serial.link.conversation import NO_SENSORS, mute
 from pirate_sm.robot.diagnosis.facts import (
     BoardFact,
@@ -75,21 +74,6 @@ def _about_topics(facts: Facts, subject: ExpectedRobot) -> Iterator[DoctorFindin
                 f"topic '{topic.name}' carries {topic.type} with md5 {topic.md5}, the profile "
                 f"says {topic.our_type} with {topic.our_md5}",
             )
-
-    yield from _about_tables(facts, subject)
-
-
-def _about_tables(facts: Facts, subject: ExpectedRobot) -> Iterator[DoctorFinding]:
-    """Judge a firmware that says whose tables it has; others say nothing of them."""
-    theirs = [tables for _, text in facts.words if (tables := said_tables(text))]
-    ours = tables_of(subject.profile, subject.plan)
-    if theirs and ours not in theirs:
-        yield DoctorFinding(
-            "no-go",
-            f"the firmware is that of {theirs[-1]}, the profile is that of {ours}: write the "
-            f"tables by `pirate firmware {subject.profile.robot} -o firmware/robot.h`, then build "
-            "and flash it",
-        )
 
 
 def _missing(topic: TopicFact, facts: Facts) -> str:

@@ -67,7 +67,7 @@ class NodeHandle:
     """
 
     def __init__(self, publishers: Sequence[TopicInfo], subscribers: Sequence[TopicInfo]) -> None:
-        self.configured = False
+        self.configured = self._met = False
         self._publishers = tuple(publishers)
         self._subscribers = tuple(subscribers)
         self._listening = frozenset(topic.number for topic in subscribers)
@@ -81,7 +81,7 @@ class NodeHandle:
             return NodeReply(fault=f"a payload of {len(frame.payload)} bytes overwrites memory")
         self._buffer[: len(frame.payload)] = frame.payload
         if frame.topic == REQUEST_TOPICS:
-            self.configured = True
+            self.configured = self._met = True
             self._asked_time_s = self._heard_time_s = now_s
             return NodeReply(self._introduction())
         if frame.topic == TIME:
@@ -89,7 +89,8 @@ class NodeHandle:
         elif frame.topic == TX_STOP:
             self.configured = False
         elif frame.topic in self._listening:
-            return NodeReply(delivered=bytes(self._buffer))
+            # A host that has not asked may not know of a restart, and repeats an array.
+            return NodeReply(delivered=bytes(self._buffer) if self._met else None)
         elif frame.topic not in (PARAMETER, LOG):
             return NodeReply(fault=f"nobody listens to id {frame.topic}: memory is overwritten")
         return NodeReply()

@@ -8,6 +8,7 @@ from pirate_sm.core.errors import not_installed
 from pirate_sm.core.models import Profile
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.robot.backends.serial.firmware_tables import tables_of
 from pirate_sm.robot.backends.serial.guardian.guard import Instructions
 from pirate_sm.robot.backends.serial.guardian.guarded_port import GuardedPort
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan, plan_of
@@ -31,7 +32,8 @@ def read_plan(folder: Path, profile: Profile, robot: RobotSpec) -> LinkPlan:
     """
     serial = serial_of(profile)
     messages = read_messages(folder / serial.messages, serial, len(profile.slots))
-    return plan_of(profile, robot, messages)
+    plan = plan_of(profile, robot, messages)
+    return plan._replace(tables=tables_of(profile, plan))
 
 
 def guarded_port(plan: LinkPlan, url: str, baud: int | None, stay_s: float = STAY_S) -> GuardedPort:

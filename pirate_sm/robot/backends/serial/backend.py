@@ -430,8 +430,7 @@ class SerialBackend:
             self._pump.turn(give_up_s)
             if frames and conversation.heard_s - heard_s > boot_s / 2:
                 give_up_s = conversation.heard_s + ANSWER_WITHIN_S  # it has been reset meanwhile
-            if self.exchange.refused:
-                raise BackendError("; ".join(self.exchange.refused))
+            self._stop_if_refused()
             if self._pump.lost:
                 raise BackendError(f"{self.port.name} went away while it was being opened")
             if self.port.now() >= give_up_s:
@@ -439,6 +438,10 @@ class SerialBackend:
                 raise BackendError(
                     unanswered(name, self._baud, conversation, self._pump.sample, usual)
                 )
+
+    def _stop_if_refused(self) -> None:
+        if self.exchange.refused:
+            raise BackendError("; ".join(self.exchange.refused))
 
     def _hear_sensors(self) -> list[Event]:
         """Return the last frame of every board, and a fault for each board that does not report.
@@ -455,6 +458,7 @@ class SerialBackend:
             for event in exchange.take():
                 if isinstance(event, SensorFrame):
                     frames[event.board] = event
+            self._stop_if_refused()
             if self._pump.lost:
                 raise BackendError(f"{self.port.name} went away while it was being opened")
         silent = boards - frames.keys()

@@ -59,15 +59,18 @@ def test_it_stops_when_told() -> None:
     assert not it.configured
 
 
-def test_it_obeys_before_it_is_asked() -> None:
-    answer = node().take(frame(100, b"abcd"), 0.0)
+def test_it_obeys_as_soon_as_it_has_been_asked_and_also_when_it_has_fallen_silent() -> None:
+    it = node()
 
-    assert answer.delivered is not None
-    assert answer.delivered.startswith(b"abcd")
+    assert it.take(frame(100, b"abcd"), 0.0).delivered is None
+    it.take(frame(0), 0.1)
+    it.take(frame(11), 0.2)
+    assert (it.take(frame(100, b"abcd"), 0.3).delivered or b"").startswith(b"abcd")
 
 
 def test_a_short_payload_is_filled_up_with_what_came_before() -> None:
     it = node()
+    it.take(frame(0), 0.0)
     it.take(frame(100, b"abcdef"), 0.0)
 
     assert (it.take(frame(100, b"XY"), 0.1).delivered or b"").startswith(b"XYcdef")

@@ -125,7 +125,7 @@ class TopicRefused(NamedTuple):
     reason: str
 
 
-Heard: TypeAlias = TopicPayload | TopicsKnown | TopicRefused
+Heard: TypeAlias = TopicPayload | TopicsKnown | TopicRefused | LogLine
 
 
 def difference(wanted: Wanted, info: TopicInfo) -> str:
@@ -313,6 +313,7 @@ class Conversation:
             line = read_log(payload)
             if line is not None:
                 self.words.append(line)
+                yield line
 
     def _meet(self, info: TopicInfo | None) -> Iterator[Heard]:
         """Handle the device's introduction of one of its topics."""

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from math import inf, nan
 
 from pirate_sm.core.events import BuiltInFault, Event, SensorFrame
+from pirate_sm.robot.backends.serial.firmware_tables import said_tables
 from pirate_sm.robot.backends.serial.link.arrays import SetpointLink
 from pirate_sm.robot.backends.serial.link.conversation import (
     SILENT_AFTER_S,
@@ -34,7 +35,7 @@ from pirate_sm.robot.backends.serial.link.recovery import (
     StopConfirmation,
     was_reset,
 )
-from pirate_sm.robot.rosserial.frames import OVERHEAD_BYTES
+from pirate_sm.robot.rosserial.frames import OVERHEAD_BYTES, LogLine
 from pirate_sm.robot.rosserial.message_types import Malformed
 from pirate_sm.robot.rosserial.messages import Array, StateReading
 
@@ -119,7 +120,7 @@ class Exchange:
             robot; arrays are repeated until the silence is noticed. Infinite without a switch.
         aside: Whether arrays wait until the engine has answered to an outage.
         newer: Whether an array has been submitted since the last outage began.
-        refused: Why a topic cannot be used, one sentence each.
+        refused: Why the controller cannot be that of this robot, one sentence each.
     """
 
     def __init__(self, plan: LinkPlan, now: float, epoch_s: float, baud: int) -> None:
@@ -219,7 +220,9 @@ class Exchange:
             if isinstance(heard, TopicPayload):
                 self._take(heard, now)
             elif isinstance(heard, TopicRefused):
-                self._refuse(heard)
+                self._refuse(heard.reason)
+            elif isinstance(heard, LogLine):
+                self._compare_tables()
         self.link.quality.listened(len(data), self.conversation.dropped - dropped)
         self._events += self.link.take()
 
@@ -450,8 +453,20 @@ class Exchange:
             away_s = known.silence_s
             self._events.append(BuiltInFault.FIRMWARE_RESET.report(was_reset(away_s), away_s))
 
-    def _refuse(self, refused: TopicRefused) -> None:
-        self.refused.append(refused.reason)
+    def _compare_tables(self) -> None:
+        """Refuse a firmware that only ever names tables of another robot; most name none."""
+        lines, ours = self.conversation.words, self._plan.tables
+        theirs = [tables for line in lines if (tables := said_tables(line.text))]
+        if theirs and ours and ours not in theirs:
+            self._refuse(
+                f"the firmware is that of {theirs[-1]}, the profile is that of {ours}: write the "
+                "tables by `pirate firmware`, then build and flash it"
+            )
+
+    def _refuse(self, reason: str) -> None:
+        if reason in self.refused:
+            return
+        self.refused.append(reason)
         if self.heard:
             self.outage, self.given_up = None, True
-            self._events.append(BuiltInFault.LINK_MISMATCH.report(refused.reason))
+            self._events.append(BuiltInFault.LINK_MISMATCH.report(reason))

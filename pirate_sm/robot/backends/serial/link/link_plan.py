@@ -69,6 +69,7 @@ class LinkPlan(NamedTuple):
         modules: What people call these boards.
         safe_zero: Slots that are zero in the safe state.
         silent_after_s: A board that has not reported for this long is silent.
+        tables: What the firmware of this robot says of its tables, if it is ours; empty: unknown.
     """
 
     serial: Serial
@@ -79,6 +80,7 @@ class LinkPlan(NamedTuple):
     modules: Mapping[int, str]
     safe_zero: tuple[int, ...]
     silent_after_s: float
+    tables: str = ""
 
     @property
     def away_s(self) -> float:

@@ -7,7 +7,7 @@ import pytest
 from pirate_sm.core.events import Event, FaultReport, SensorFrame, SubmitResult
 from pirate_sm.robot.backends.serial.link.exchange import Exchange
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
-from pirate_sm.robot.rosserial.frames import Decoder, encode
+from pirate_sm.robot.rosserial.frames import LOG, Decoder, LogLine, encode, log_payload
 
 from ..device import NUMBERS, Device
 
@@ -351,3 +351,54 @@ def test_a_controller_that_has_not_reported_since_it_began_is_not_reset(
 
     assert len(talk.faults) == reported, "once only: it has not reported since its reset either"
     assert all("it was reset or hung" in fault for fault in talk.faults)
+
+
+# --- a firmware that names its tables -------------------------------------------------------------
+
+OURS, THEIRS = "robot ours, tables 0badcafe", "robot theirs, tables 12345678"
+
+
+def told(plan: LinkPlan, *lines: str, running: bool = False) -> Talk:
+    """A controller that has said these lines, at the start or in a mission."""
+    talk = Talk(plan._replace(tables=OURS))
+    if running:
+        talk.start()
+    for line in lines:
+        talk.exchange.receive(encode(LOG, log_payload(LogLine(1, line))), talk.now)
+    return talk
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        (f"firmware 1 of {OURS}",),
+        (f"firmware 1 of {OURS}", f"firmware 1 of {THEIRS}"),  # damage that its sum misses
+        ("no answer from board 25", "firmware 7 of our own"),
+        (),
+    ],
+)
+def test_a_firmware_that_names_our_tables_or_none_is_used(
+    plan: LinkPlan, lines: tuple[str, ...]
+) -> None:
+    assert not told(plan, *lines).exchange.refused
+
+
+def test_a_firmware_that_names_the_tables_of_another_robot_is_refused_once(plan: LinkPlan) -> None:
+    talk = told(plan, *[f"firmware 1 of {THEIRS}"] * 3)
+
+    (refused,) = talk.exchange.refused
+    assert refused.startswith(f"the firmware is that of {THEIRS}, the profile is that of {OURS}")
+
+
+def test_a_plan_that_knows_no_tables_compares_none(plan: LinkPlan) -> None:
+    talk = Talk(plan)
+    talk.exchange.receive(encode(LOG, log_payload(LogLine(1, f"firmware 1 of {THEIRS}"))), 0.0)
+
+    assert not talk.exchange.refused
+
+
+def test_a_controller_that_was_exchanged_in_a_mission_ends_it(plan: LinkPlan) -> None:
+    talk = told(plan, f"firmware 1 of {THEIRS}", running=True)
+    talk.run(0.1)
+
+    assert [fault for fault in talk.faults if THEIRS in fault]
