@@ -22,6 +22,8 @@
  *     power            restart it after a loss of power: memory holds nothing
  *     hang             make the main loop hang where it sleeps next, until the next restart
  *     deaf             the same with interrupts switched off
+ *     loader           from now on a restart by the watchdog leaves no flag, as behind a boot loader
+ *                      that clears it
  *     stack BOTTOM     paint the memory from this address to the stack; answered by how many bytes
  *                      of the paint are left since the last time
  */
@@ -148,11 +150,13 @@ static void unhang(void)
 }
 
 static void (*reset_core)(struct avr_t *);
+static bool has_loader, has_restarted;
 
 /* The controller restarts, whatever the reason. */
 static void restarted(struct avr_t *it)
 {
     unhang();
+    has_restarted = true;
     if (reset_core != NULL)
         reset_core(it);
 }
@@ -186,6 +190,9 @@ static void run(uint64_t until)
             avr_cycle_timer_register(avr, next - now(), wake, NULL);
         }
         const int state = avr_run(avr);
+        if (has_restarted && has_loader)
+            avr_regbit_clear(avr, avr->reset_flags.wdrf);
+        has_restarted = false;
         if (avr->cycle < last_cycle) /* some versions of simavr count from 0 after a restart */
             before_restart += last_cycle;
         last_cycle = avr->cycle;
@@ -273,6 +280,9 @@ int main(int argc, char **argv)
             fprintf(answers, "\n");
         } else if (strncmp(line, "hang", 4) == 0) {
             hangs_next = true;
+            fprintf(answers, "\n");
+        } else if (strncmp(line, "loader", 6) == 0) {
+            has_loader = true;
             fprintf(answers, "\n");
         } else if (strncmp(line, "deaf", 4) == 0) {
             hangs_next = deaf_next = true;
