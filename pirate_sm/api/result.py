@@ -11,17 +11,17 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import cached_property, partial
 from html import escape
-from itertools import takewhile
+from itertools import chain, takewhile
 from math import inf
 from os import PathLike
 from pathlib import Path
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 from pirate_sm.api.arguments import is_number, path_of
 from pirate_sm.core.effects import Effect, Ended
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.events import Event, Trail
+from pirate_sm.core.events import Event, InSpace, Stood, Trail, Whereabouts
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.resuming import AS_DECLARED, Beginning
@@ -35,6 +35,7 @@ from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.replay import engine_of, rerun_steps
 from pirate_sm.running.recording.tables import SIGNALS, TABLES, TIME, headers, rows_of
 from pirate_sm.running.recording.write.recorder import Recorder
+from pirate_sm.running.recording.write.sampler import due_steps
 from pirate_sm.running.wiring import Prepared
 from pirate_sm.running.wiring.run_recorder import RunRecorder, requested_recording, run_header
 from pirate_sm.views.report import GENERATOR
@@ -242,7 +243,8 @@ class Run:
     def _last(self) -> tuple[Ended | None, float]:
         """How it ended, and the time of the last thing that happened."""
         end, last_s = None, 0.0
-        for step in self.steps():
+        steps = self.steps.told() if isinstance(self.steps, _KeptSteps) else self.steps()
+        for step in steps:
             last_s = max(last_s, step.at_s)
             for effect in step.effects:
                 if isinstance(effect, Ended):
@@ -291,17 +293,61 @@ def read(recording: str | PathLike[str]) -> Run:
 # --- notes of a run -----------------------------------------------------------------------------
 
 
-T = TypeVar("T")
+@dataclass(frozen=True)
+class _KeptSteps:
+    """Returns the steps of a run; other processes can be sent it.
+
+    Frames that were taken together stay together until somebody asks: one by one they are so many
+    objects that Python's garbage collector takes as long as the run.
+    """
+
+    kept: tuple[RecordedStep | Glide, ...]
+
+    def __call__(self) -> Iterator[RecordedStep]:
+        number = 0
+        for each in self.kept:
+            for at_s, event, effects in each.in_order() if isinstance(each, Glide) else ():
+                yield RecordedStep(number, at_s, event, effects, "engine")
+                number += 1
+            if isinstance(each, RecordedStep):
+                yield each._replace(number=number)
+                number += 1
+
+    def told(self) -> Iterator[RecordedStep]:
+        """Yield the steps that were taken alone, and the last of those that were not."""
+        for each in self.kept:
+            if isinstance(each, RecordedStep):
+                yield each
+            elif times_s := each.times_s():
+                yield RecordedStep(0, times_s[-1], None, (), "engine")
 
 
 @dataclass(frozen=True)
-class _Same(Generic[T]):
-    """A function that returns one value; other processes can be sent it, which a lambda cannot."""
+class _KeptPoses:
+    """Returns where the wheels really were; other processes can be sent it.
 
-    value: T
+    Attributes:
+        places: Times, and what the trail has noted at them, or where the robot stood at one.
+        read: Reads what a trail has noted; None without any.
+        flat: Whether the robot moves in a plane.
+    """
 
-    def __call__(self) -> T:
-        return self.value
+    places: tuple[tuple[Sequence[float], bytes | Stood], ...]
+    read: Callable[[Sequence[bytes]], Whereabouts] | None
+    flat: bool
+
+    def __call__(self) -> Poses | None:
+        poses = Poses(true=True)
+        for at_s, stood in self._stood():
+            poses.add(at_s, stood.wheels, None if self.flat else stood.space)
+        return poses.thinned() if poses.times_s else None
+
+    def _stood(self) -> Iterator[tuple[float, Stood]]:
+        noted = [each for _, each in self.places if isinstance(each, bytes)]
+        rows = zip(*self.read(noted), strict=True) if self.read is not None and noted else iter(())
+        for times_s, each in self.places:
+            for at_s in times_s:
+                yield at_s, each if isinstance(each, Stood) else Stood.of(next(rows))
 
 
 class Notes:
@@ -320,8 +366,8 @@ class Notes:
         self._prepared = prepared
         self._header = header
         self._recorder = recorder
-        self._steps: list[RecordedStep] = []
-        self._poses = Poses(true=True)
+        self._steps: list[RecordedStep | Glide] = []
+        self._places: list[tuple[Sequence[float], bytes | Stood]] = []
         self._pose_s = 0.0
         self._trail: Trail | None = None
         self.stepwise = recorder is not None and recorder.stepwise
@@ -341,12 +387,8 @@ class Notes:
         """Note how the engine started."""
         if self._recorder is not None:
             self._recorder.start(seen, now_s, effects, begins)
-        number = len(self._steps)
-        self._steps += [
-            RecordedStep(number + n, now_s, event, (), "seen") for n, event in enumerate(seen)
-        ]
-        number = len(self._steps)
-        start = RecordedStep(number, now_s, None, tuple(effects), "start", **begins._asdict())
+        self._steps += [RecordedStep(0, now_s, event, (), "seen") for event in seen]
+        start = RecordedStep(0, now_s, None, tuple(effects), "start", **begins._asdict())
         self._steps.append(start)
         self._pose(now_s)
 
@@ -354,7 +396,7 @@ class Notes:
         """Note one step of the engine."""
         if self._recorder is not None:
             self._recorder.take(event, now_s, effects)
-        self._steps.append(RecordedStep(len(self._steps), now_s, event, tuple(effects), "engine"))
+        self._steps.append(RecordedStep(0, now_s, event, tuple(effects), "engine"))
         self._pose(now_s)
 
     def secure(self) -> None:
@@ -366,16 +408,20 @@ class Notes:
         """Note the steps of the engine that were taken at once, and the poses at them."""
         if self._recorder is not None:
             self._recorder.take_glide(glide)
-        self._trail = glide.trail
-        for number, (at_s, event, effects) in enumerate(glide.in_order(), len(self._steps)):
-            self._steps.append(RecordedStep(number, at_s, event, effects, "engine"))
-            self._pose(at_s)
+        self._steps.append(glide._replace(after=None, looks=(), trail=None))
+        self._trail = trail = glide.trail
+        if self._prepared.wheels is None or trail is None or trail.until_s < self._pose_s:
+            return
+        due_s = due_steps(glide.times_s(), self._pose_s, EVERY_S)
+        if due_s:
+            self._pose_s = due_s[-1] + EVERY_S
+            self._places.append((due_s, trail.noted(due_s)))
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Note what was done past the engine."""
         if self._recorder is not None:
             self._recorder.abandon(now_s, effects)
-        self._steps.append(RecordedStep(len(self._steps), now_s, None, tuple(effects), "runtime"))
+        self._steps.append(RecordedStep(0, now_s, None, tuple(effects), "runtime"))
 
     def run(self, *notices: str) -> Run:
         """Return the run as far as it has come.
@@ -385,12 +431,12 @@ class Notes:
         """
         failure = self._recorder.failure if self._recorder is not None else ""
         early = f"the recording ends early: {failure}" if failure else ""
-        poses = self._poses.thinned()
+        read = None if self._trail is None else self._trail.read
         return Run(
             self._prepared.loaded,
             self._header,
-            steps=_Same(tuple(self._steps)),
-            poses=_Same(poses if poses.times_s else None),
+            steps=_KeptSteps(tuple(self._steps)),
+            poses=_KeptPoses(tuple(self._places), read, self._prepared.in_space is None),
             gaps=(),
             notices=tuple(text for text in (early, *notices) if text),
         )
@@ -401,9 +447,9 @@ class Notes:
             self._pose_s = now_s + EVERY_S
             stood = None if self._trail is None else self._trail.at(now_s)
             if stood is None:
-                self._poses.add(now_s, wheels(), in_space() if in_space else None)
-            else:
-                self._poses.add(now_s, stood.wheels, stood.space if in_space else None)
+                places_m = tuple(chain.from_iterable(wheels()))
+                stood = Stood(places_m, in_space() if in_space else InSpace((), ()))
+            self._places.append(((now_s,), stood))
 
 
 @contextmanager

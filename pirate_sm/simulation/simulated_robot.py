@@ -7,8 +7,9 @@ backend and the emulated bay both use it.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -348,16 +349,10 @@ class SimulatedRobot:
         """How many numbers say where it is: coordinates of each wheel, then three rolls."""
         return self._axes * self._chain.nodes + 3
 
-    def whereabouts(self, noted: Sequence[bytes]) -> Whereabouts:
-        """Return where it was, from rows of such numbers."""
-        rows = np.frombuffer(b"".join(noted)).reshape(-1, self.trail_columns)
-        count = self._axes * self._chain.nodes
-        wheels, rolls_rad = rows[:, :count], rows[:, count:].tolist()
-        if self._flat:
-            return Whereabouts(wheels.tolist(), [()] * len(rows), rolls_rad)
-        by_wheel = wheels.reshape(len(rows), -1, 3)
-        places_m = by_wheel[:, :, :2].reshape(len(rows), -1)
-        return Whereabouts(places_m.tolist(), by_wheel[:, :, 2].tolist(), rolls_rad)
+    @property
+    def whereabouts(self) -> Callable[[Sequence[bytes]], Whereabouts]:
+        """Return a function that says where it was from rows of such numbers, without the robot."""
+        return partial(_whereabouts, self._axes, self._chain.nodes)
 
     @property
     def arcs_m(self) -> list[float]:
@@ -402,6 +397,17 @@ class SimulatedRobot:
             # It lies on the floor: the accelerometer measures its weight, in any pose.
             for axis, value in (("acc_x", 0.0), ("acc_y", 0.0), ("acc_z", GRAVITY_M_S2)):
                 self.physics.quantities[self._layout.at(axis)] = value
+
+
+def _whereabouts(axes: int, nodes: int, noted: Sequence[bytes]) -> Whereabouts:
+    count = axes * nodes
+    rows = np.frombuffer(b"".join(noted)).reshape(-1, count + 3)
+    wheels, rolls_rad = rows[:, :count], rows[:, count:].tolist()
+    if axes == 2:  # a plane
+        return Whereabouts(wheels.tolist(), [()] * len(rows), rolls_rad)
+    by_wheel = wheels.reshape(len(rows), -1, 3)
+    places_m = by_wheel[:, :, :2].reshape(len(rows), -1)
+    return Whereabouts(places_m.tolist(), by_wheel[:, :, 2].tolist(), rolls_rad)
 
 
 def _joint_duties(

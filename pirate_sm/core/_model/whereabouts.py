@@ -116,6 +116,12 @@ class Stood(NamedTuple):
     places_m: tuple[float, ...]
     space: InSpace
 
+    @classmethod
+    def of(cls, row: tuple[Sequence[float], Sequence[float], Sequence[float]]) -> Stood:
+        """Return it from a row of :class:`Whereabouts`."""
+        places_m, z_m, rolls_rad = map(tuple, row)
+        return cls(places_m, InSpace(z_m, rolls_rad))
+
     @property
     def wheels(self) -> tuple[tuple[float, float], ...]:
         """Return the position of each wheel in that plane, m."""
@@ -155,8 +161,7 @@ class Trail(NamedTuple):
         """Return where the robot was at the time of a step; None after the last: where it is."""
         if now_s > self.until_s:
             return None
-        (places_m,), (z_m,), (rolls_rad,) = self.read([self.noted([now_s])])
-        return Stood(tuple(places_m), InSpace(tuple(z_m), tuple(rolls_rad)))
+        return Stood.of(next(zip(*self.read([self.noted([now_s])]), strict=True)))
 
 
 Look: TypeAlias = tuple[float, ...]

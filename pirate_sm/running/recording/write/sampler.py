@@ -50,6 +50,15 @@ LookBack: TypeAlias = Callable[[Sequence[float], Trail], Taken]
 """Returns samples of these times, s, from where the robot was."""
 
 
+def due_steps(times_s: Sequence[float], due_s: float, every_s: float) -> list[float]:
+    """Return the times of the steps that are due from a time on, each so long after the last."""
+    due = list[float]()
+    while times_s and times_s[-1] >= due_s:
+        due.append(times_s[bisect_left(times_s, due_s)])
+        due_s = due[-1] + every_s
+    return due
+
+
 class Sampler(Generic[Taken]):
     """Takes samples of the run.
 
@@ -101,10 +110,8 @@ class Sampler(Generic[Taken]):
         """
         if self._look_back is None:
             return None
-        due = list[float]()
-        while times_s and times_s[-1] >= self.due_s:
-            due.append(times_s[bisect_left(times_s, self.due_s)])
-            self.due_s = due[-1] + EVERY_S
+        due = due_steps(times_s, self.due_s, EVERY_S)
+        self.due_s = due[-1] + EVERY_S if due else self.due_s
         try:
             return self._look_back(due, trail) if due else None
         except Exception as error:
