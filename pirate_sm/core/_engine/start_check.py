@@ -53,7 +53,7 @@ def see_again(moment: Moment, state: EngineState) -> EngineState:
     if look is None:
         return state._replace(lapsed=None)
     state, seen = _compare(moment, state, look)
-    return state._replace(lapsed=seen.look)
+    return state._replace(lapsed=seen.look and seen.look.uncontradicted())
 
 
 def _compare(

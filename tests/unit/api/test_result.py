@@ -43,6 +43,15 @@ def test_tables_are_columns_of_one_length_with_units(patrolled: pirate_sm.Run) -
     assert "questions" not in patrolled.tables
 
 
+def test_frames_of_a_glide_stay_together_until_somebody_asks() -> None:
+    run = pirate_sm.run("mitre_bend")
+    kept, steps = run.steps.kept, list(run.steps())  # type: ignore[attr-defined]
+
+    assert 4 * len(kept) < len(steps)
+    assert [step.number for step in steps] == list(range(len(steps)))
+    assert run.duration_s == steps[-1].at_s
+
+
 def test_pandas_takes_every_table(patrolled: pirate_sm.Run) -> None:
     signals = pd.DataFrame(patrolled.signals)
     commands = pd.DataFrame(patrolled.commands)

@@ -8,13 +8,19 @@ once for the words that it meets.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from math import inf, isnan, nan
 
 from pirate_sm.core._engine.consequences import deadline_s, listening_s
 from pirate_sm.core._engine.engine import Engine
-from pirate_sm.core._engine.gliding.quiet_frames import Condition, SameDuty, Watch
+from pirate_sm.core._engine.gliding.comparison import compared
+from pirate_sm.core._engine.gliding.quiet_frames import (
+    ANY_BOARD,
+    Condition,
+    SameDuty,
+    Watch,
+)
 from pirate_sm.core._engine.mission.program import Do, Question, SwitchControl, Wait
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
@@ -37,10 +43,6 @@ from pirate_sm.core._expressions import Expression, tree
 from pirate_sm.core._expressions.compiler import Code, Words, code_of, never_true, words_in
 
 # --- conditions as code -----------------------------------------------------------------------
-
-
-ANY_BOARD = -1
-"""Instead of boards: every one."""
 
 
 @lru_cache(maxsize=16)
@@ -194,8 +196,8 @@ def _has_moved(loop: RunningPositionLoop, share_of: int, value: float) -> tree.N
     return tree.Compare(">", tree.Call("abs", (off,)), tree.Number(loop.spec.threshold_rad))
 
 
-def _condition(node: tree.Node, holds: bool) -> Condition:
-    return Condition(code_of(node), holds, ANY_BOARD)
+def _condition(node: tree.Node, holds: bool, boards: int = ANY_BOARD) -> Condition:
+    return Condition(code_of(node), holds, boards)
 
 
 # --- all of a run -----------------------------------------------------------------------------
@@ -218,7 +220,7 @@ class Lookout:
         self._moment = Moment(engine.robot, engine.program, nominal=False, now_s=0.0)
         self._last: tuple[EngineState, Watch, float] | None = None
         self._records: tuple[BoardMemory, ...] = ()
-        self._believed = True
+        self._doubting: tuple[Condition, ...] = ()
 
     def watch(self, state: EngineState) -> Watch | None:
         """Return what must stay true so that frames of the boards change nothing but signals.
@@ -233,15 +235,15 @@ class Lookout:
             return None
         records = state.sensing.records
         if records is not self._records:
-            self._records, self._believed = records, _believed(self._robot, records)
-        if not (self._believed and _calm(state)):
+            self._records, self._doubting = records, tuple(_doubting(self._robot, records))
+        if not _calm(state):
             return None
         if self._judges(state):
             return None
         if self._last is None or not _same(self._last[0], state):
             if not (_runs(state.mission) and _is_covered(state.robot)):
                 return None
-            if not self._waits(state.mission, state.robot):
+            if state.look is None and not self._waits(state.mission, state.robot):
                 return None
             found = self._conditions(state)
             if found is None:
@@ -259,6 +261,7 @@ class Lookout:
         judged_s = state.sensing.distance.due_s if state.sensing.distance.running else inf
         return watch._replace(
             sensing=state.sensing,
+            conditions=(*self._doubting, *watch.conditions),
             surveyed=surveyed,
             in_bend=in_bend,
             frames_until_s=min(watch.frames_until_s, survey_s, judged_s),
@@ -297,9 +300,10 @@ class Lookout:
         robot, body = self._robot, state.robot
         rules, due_s = self._rules(state)
         command = _command_conditions(robot, body, state.faults.raised)
-        if command is None:
+        marks = compared(robot, state, self._program.diameter_m)
+        if command is None or marks is None:
             return None
-        waiting = self._triggers(state)
+        waiting = self._triggers(state) if state.look is None else ()
         return Watch(
             robot,
             state.sensing,
@@ -308,7 +312,7 @@ class Lookout:
             body.latest if body.sent else (),
             state.mission.origin,
             rules,
-            (*command, *waiting),
+            (*command, *marks, *waiting),
             _same_duties(robot, body),
             state.surveyed,
             tuple(held_parts(robot, body, state.faults.raised)),
@@ -356,6 +360,8 @@ def _same(old: EngineState, new: EngineState) -> bool:
         and old.mission is new.mission
         and old.faults is new.faults
         and old.words == new.words
+        and old.look is new.look
+        and old.lapsed is new.lapsed
     )
 
 
@@ -369,12 +375,10 @@ def _is_settled(robot: RobotSpec, surveyed: Surveyed, word: str | None, *, in_be
 
 
 def _calm(state: EngineState) -> bool:
-    """Return whether the start check is over, and every signal known to be that of a sensor."""
+    """Return whether no signal is too old or from outside."""
     sensing, faults = state.sensing, state.faults
     return (
-        state.look is None
-        and state.lapsed is None
-        and not faults.silent
+        not faults.silent
         and not faults.blind
         and not sensing.stale
         and not sensing.told
@@ -383,10 +387,11 @@ def _calm(state: EngineState) -> bool:
     )
 
 
-def _believed(robot: RobotSpec, records: Sequence[BoardMemory]) -> bool:
-    """Return whether every sensor is believed."""
-    hold_back = robot.plausibility.hold_back
-    return not any(record.special or record.seen <= hold_back for record in records)
+def _doubting(robot: RobotSpec, records: Sequence[BoardMemory]) -> Iterator[Condition]:
+    """Yield a condition that no frame leaves as it is, for each board with a doubted sensor."""
+    for position, record in enumerate(records):
+        if record.special or record.seen <= robot.plausibility.hold_back:
+            yield _condition(tree.TruthValue(True), False, 1 << position)
 
 
 def _runs(mission: MissionState) -> bool:

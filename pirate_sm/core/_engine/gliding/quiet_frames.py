@@ -20,6 +20,10 @@ from pirate_sm.core.effects import Effect
 # --- what must stay true ----------------------------------------------------------------------
 
 
+ANY_BOARD = -1
+"""Instead of boards: every one."""
+
+
 class Condition(NamedTuple):
     """A condition that a frame must leave as it is.
 

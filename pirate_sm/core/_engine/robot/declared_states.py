@@ -100,6 +100,12 @@ class Look(NamedTuple):
         lasting = [each.agrees_s + each.for_s for each in self.marks if not isnan(each.agrees_s)]
         return min((self.until_s, *lasting))
 
+    def uncontradicted(self) -> Look:
+        """Return it without what contradicts marks: where it has no end, nobody asks for that."""
+        return self._replace(
+            marks=tuple(each._replace(against_s=nan, told="") for each in self.marks)
+        )
+
 
 class LookResult(NamedTuple):
     """The result of a comparison: its new state, confirmed marks, and contradictions.

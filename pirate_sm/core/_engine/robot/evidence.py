@@ -261,7 +261,7 @@ def _span(
         return inf
     if diameter_m is not None:
         return abs(shown - diameter_m) / diameter_m
-    known = [numbers[other] for other in _others(robot, body, spec)]
+    known = [numbers[other] for other in others_that_hold(robot, body.configuration, spec)]
     if isnan(shown) or any(map(isnan, known)):
         return nan
     return max([abs(shown - each) / each for each in known], default=0.0)
@@ -278,14 +278,14 @@ def _span_against(
         return f"{shows}, it has opened to its end stop"
     if diameter_m is not None:
         return f"{shows}, the pipe has {diameter_m * 1000:.0f} mm, {limit}"
-    others = _others(robot, body, spec)
+    others = others_that_hold(robot, body.configuration, spec)
     worst = max(others, key=lambda other: abs(shown - numbers[other]) / numbers[other])
     return f"{shows}, {names[worst]} {numbers[worst] * 1000:.0f} mm, {limit}"
 
 
-def _others(robot: RobotSpec, body: RobotState, spec: HeldSpec) -> list[int]:
+def others_that_hold(robot: RobotSpec, configuration: int, spec: HeldSpec) -> list[int]:
     """Return the number indexes of the diameters of the other parts that hold."""
-    sights = [robot.sight.parts[part] for part in robot.held[body.configuration]]
+    sights = [robot.sight.parts[part] for part in robot.held[configuration]]
     return [each.diameter for each in sights if each is not None and each is not spec]
 
 
