@@ -165,7 +165,8 @@ class Glider:
     ) -> Passed:
         now_s, cycles, time_s, checked_s, _, word_s = self._clock.tolist()
         count, waits, position, met, looked = self._met.tolist()
-        frames = self._block(count)
+        positions: list[int] = self._reporters[:count].tolist()
+        frames = self._block(positions)
         waiting = None
         if waits:
             board = self._ids[position]
@@ -177,7 +178,7 @@ class Glider:
         after = None
         if count or rows:
             asked = asked if count else watch.sensing.asked
-            sensing = self._signals.given(watch.sensing, asked, checked_s)
+            sensing = self._signals.given(watch.sensing, positions, asked, checked_s)
             after = Glided(sensing, self._survey.given(), wake_s, word_s)
         said_s = next((row[0] for row in reversed(rows) if row[1] == inf), None)
         steps = [_step(frames, row, words) for row in rows]
@@ -200,8 +201,8 @@ class Glider:
             cycle -= 1
         return cycle
 
-    def _block(self, count: int) -> FrameBlock:
-        boards = [self._ids[position] for position in self._reporters[:count].tolist()]
+    def _block(self, positions: Sequence[int]) -> FrameBlock:
+        count, boards = len(positions), [self._ids[position] for position in positions]
         times_s: list[float] = self._times_s[:count].tolist()
         return FrameBlock(times_s, boards, self._reports[:count].copy(), self._widths)
 

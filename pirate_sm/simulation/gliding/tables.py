@@ -150,6 +150,7 @@ class SignalTables:
     def __init__(self, robot: RobotSpec) -> None:
         table = signal_table(robot)
         at = self._layout = table.layout
+        self._plausibility = robot.plausibility
         self.signals: Floats = np.array(table.cells(nothing_known(robot)))
         ends = at.heard, at.shares, at.angles, at.motion, at.loss
         self._parts: list[Floats] = np.split(self.signals, ends)[:5]
@@ -181,11 +182,14 @@ class SignalTables:
         cells[at.loss], cells[at.driving] = sensing.loss, asked.driving
         cells[at.asked] = asked.since_s if asked.setpoints else inf
 
-    def given(self, before: Sensing, asked: MotorRequest, checked_s: float) -> Sensing:
+    def given(
+        self, before: Sensing, positions: Sequence[int], asked: MotorRequest, checked_s: float
+    ) -> Sensing:
         """Return the signals as the engine has them.
 
         Args:
             before: The signals that have been taken in.
+            positions: The boards whose frames have been taken, one after the other.
             asked: What the motors have been asked.
             checked_s: When silent boards were looked for.
         """
@@ -196,6 +200,7 @@ class SignalTables:
             heard_s=heard_s,
             shares=shares,
             angles=angles,
+            records=before.records_after(positions, self._plausibility),
             motion=motion,
             loss=float(self.signals[self._layout.loss]),
             asked=asked,

@@ -235,7 +235,7 @@ class Lookout:
             return None
         records = state.sensing.records
         if records is not self._records:
-            self._records, self._doubting = records, tuple(_doubting(self._robot, records))
+            self._records, self._doubting = records, tuple(_doubting(records))
         if not _calm(state):
             return None
         if self._judges(state):
@@ -387,10 +387,10 @@ def _calm(state: EngineState) -> bool:
     )
 
 
-def _doubting(robot: RobotSpec, records: Sequence[BoardMemory]) -> Iterator[Condition]:
+def _doubting(records: Sequence[BoardMemory]) -> Iterator[Condition]:
     """Yield a condition that no frame leaves as it is, for each board with a doubted sensor."""
     for position, record in enumerate(records):
-        if record.special or record.seen <= robot.plausibility.hold_back:
+        if record.special:
             yield _condition(tree.TruthValue(True), False, 1 << position)
 
 

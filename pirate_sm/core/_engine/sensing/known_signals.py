@@ -10,6 +10,7 @@ Frames come up to a delay after the motion that they report.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf, isnan, nan
 from statistics import fmean
 from typing import NamedTuple
@@ -17,7 +18,7 @@ from typing import NamedTuple
 from pirate_sm.core._engine.records import Numbers, often_replaced
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing import plausibility
-from pirate_sm.core._engine.sensing.board_spec import TractionSpec
+from pirate_sm.core._engine.sensing.board_spec import PlausibilitySpec, TractionSpec
 from pirate_sm.core._engine.sensing.evaluator import UNMOVED
 from pirate_sm.core._engine.sensing.plausibility import BoardMemory
 
@@ -278,6 +279,16 @@ class Sensing(NamedTuple):
         the sensor may only have spiked.
         """
         return frozenset().union(*[record.doubted for record in self.records])
+
+    def records_after(
+        self, positions: Sequence[int], spec: PlausibilitySpec
+    ) -> tuple[BoardMemory, ...]:
+        """Return the records after frames of these boards in which every limit was kept."""
+        if all(record.seen > spec.hold_back for record in self.records):
+            return self.records
+        return tuple(
+            record.after(positions.count(at), spec) for at, record in enumerate(self.records)
+        )
 
 
 def with_changes(sensing: Sensing, origin: Numbers) -> Numbers:

@@ -88,6 +88,14 @@ class BoardMemory(NamedTuple):
     special: bool = False
     doubted: frozenset[int] = frozenset()
 
+    def after(self, readings: int, spec: PlausibilitySpec) -> BoardMemory:
+        """Return it after so many readings in which every limit was kept."""
+        if self.seen > spec.hold_back or not readings:
+            return self
+        seen = min(self.seen + readings, spec.hold_back + 1)
+        channels = tuple(channel._replace(seen=seen - 1) for channel in self.channels)
+        return self._replace(channels=channels, seen=seen)
+
 
 class Reading(NamedTuple):
     """The circumstances of one frame of a board.

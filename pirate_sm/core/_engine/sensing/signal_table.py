@@ -258,10 +258,13 @@ def observe(
     elapsed_s = max(now - sensing.heard_s[board.position], robot.link.period_s)
     record, reports = sensing.records[board.position], list[FaultReport]()
     cells, raw = table.cells(sensing, setpoints, latest, asked), frame.values
-    calm = not record.special and record.seen > robot.plausibility.hold_back
+    calm = not record.special
     if not (calm and run(rows, table.lists, cells, sensing.numbers, raw, now, elapsed_s)):
         cells = table.cells(sensing, setpoints, latest, asked)
         sensing, reports = _judged(robot, board, sensing, frame, cells, now, elapsed_s)
+    elif record.seen <= robot.plausibility.hold_back:
+        read = sensing.records_after([board.position], robot.plausibility)
+        sensing = sensing._replace(records=read)
     stale = sensing.stale - {board.position} if sensing.stale else sensing.stale
     layout = table.layout
     numbers, heard_s = tuple(cells[: layout.heard]), tuple(cells[layout.heard : layout.shares])
