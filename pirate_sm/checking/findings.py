@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import yaml
@@ -185,6 +186,7 @@ class Allowance:
     excerpt: str
 
 
+@lru_cache(maxsize=64)  # a program runs the same few missions repeatedly
 def allowances(name: str, text: str) -> tuple[Allowance, ...]:
     """Return all allowances in a file.
 
