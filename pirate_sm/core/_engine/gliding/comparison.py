@@ -26,7 +26,7 @@ from pirate_sm.core._expressions.compiler import Code, code_of
 def compared(
     robot: RobotSpec, state: EngineState, diameter_m: float | None
 ) -> list[Condition] | None:
-    """Return under which conditions the comparisons under way go on as they are.
+    """Return under which conditions the comparisons under way stay as they are.
 
     Args:
         robot: The robot.
