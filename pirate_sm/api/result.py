@@ -297,7 +297,7 @@ def read(recording: str | PathLike[str]) -> Run:
 class _KeptSteps:
     """Returns the steps of a run; other processes can be sent it.
 
-    Frames that were taken together stay together until somebody asks: one by one they are so many
+    Frames that were taken together stay together until they are read: one by one they are so many
     objects that Python's garbage collector takes as long as the run.
     """
 

@@ -43,7 +43,7 @@ def compared(
     if look is not None and look.before is not None:
         return None
     if lapsed is not None and any(not isnan(each.agrees_s) for each in lapsed.marks):
-        return None  # nobody is called when that has lasted for long enough
+        return None  # no deadline says when that has lasted for long enough
     found: list[Condition] = []
     for some in filter(None, (look, lapsed)):
         for each in some.marks:
