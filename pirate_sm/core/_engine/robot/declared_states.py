@@ -101,7 +101,7 @@ class Look(NamedTuple):
         return min((self.until_s, *lasting))
 
     def uncontradicted(self) -> Look:
-        """Return it without what contradicts marks, which only counts at the end of a comparison."""
+        """Return it without what contradicts marks, which counts where a comparison ends."""
         return self._replace(
             marks=tuple(each._replace(against_s=nan, told="") for each in self.marks)
         )

@@ -258,8 +258,7 @@ def observe(
     elapsed_s = max(now - sensing.heard_s[board.position], robot.link.period_s)
     record, reports = sensing.records[board.position], list[FaultReport]()
     cells, raw = table.cells(sensing, setpoints, latest, asked), frame.values
-    calm = not record.special
-    if not (calm and run(rows, table.lists, cells, sensing.numbers, raw, now, elapsed_s)):
+    if record.special or not run(rows, table.lists, cells, sensing.numbers, raw, now, elapsed_s):
         cells = table.cells(sensing, setpoints, latest, asked)
         sensing, reports = _judged(robot, board, sensing, frame, cells, now, elapsed_s)
     elif record.seen <= robot.plausibility.hold_back:
