@@ -50,6 +50,7 @@ def test_most_frames_are_taken_for_the_engine() -> None:
     assert taken > 4130  # of 4235
 
 
+@pytest.mark.thorough
 def test_most_frames_are_taken_while_a_report_from_outside_counts() -> None:
     taken = assert_the_same(Order("mitre_bend", detector="odometry"))
 

@@ -52,7 +52,7 @@ def _contains(trace, wanted):
     return all(each in rest for each in wanted)
 
 
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", DRIVEN, ids=lambda path: path.stem)
 def test_a_shipped_mission_succeeds_in_a_trace(run, path):
     record = run(path, backend="trace")
     assert record.ended.outcome == "succeeded", record.ended.message

@@ -78,7 +78,7 @@ def one_by_one(profile: Profile, some: Sequence[SimulatedRobot]) -> list[tuple[A
 
 @pytest.mark.parametrize("threads", thorough_but([2], [1, 2, 5]))
 @pytest.mark.parametrize("pipe", PIPES)
-@pytest.mark.parametrize("defects", DEFECTS)
+@pytest.mark.parametrize("defects", thorough_but(["motors", "boards"], DEFECTS))
 def test_a_batch_moves_its_robots_as_they_move_alone(
     profile: Profile, pipe: str, defects: str, threads: int
 ) -> None:

@@ -49,6 +49,7 @@ def test_a_plateau_is_refused_without_points_that_surely_slip() -> None:
     assert curve.static.known
 
 
+@pytest.mark.thorough
 def test_without_slip_only_a_bound_of_friction_is_known() -> None:
     curve = fit_slip_curve(*points(1e-5, 5e-4), threshold=0.001)
 

@@ -35,6 +35,7 @@ def send_many(host: Host, count: int) -> None:
         host.listen(0.1)
 
 
+@pytest.mark.thorough
 def test_lost_on_the_way_in(make: MakeBay) -> None:
     host = connected(make, loss_in=0.2)
     send_many(host, 500)

@@ -5,17 +5,16 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from representative import MISSIONS, thorough_but
+from representative import thorough_but
 
 from pirate_sm.views.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.views.drawing.graph.highlight import highlight
 from pirate_sm.views.drawing.svg.arrangement import arranged
 from pirate_sm.views.drawing.svg.svg_writer import svg, visits_text
 
-from ..conftest import DRAWN, ROOT, drawing, name
+from ..conftest import DRAWN, FEW, ROOT, drawing, name
 from ..geometry import along, inside, overlap, rectangle
 
-FEW = [path for path in DRAWN if path.parent.name != "sequences" or path.stem in MISSIONS]
 SPACE = "{http://www.w3.org/2000/svg}"
 
 

@@ -8,12 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from representative import thorough_but
 
 from pirate_sm.views.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.views.drawing.graph.highlight import highlight
 from pirate_sm.views.drawing.text_formats import dot
 
-from ..conftest import DRAWN, ROOT, drawing, name
+from ..conftest import DRAWN, FEW, ROOT, drawing, name
 
 _TOKEN = re.compile(r'\s*(?:("(?:[^"\\]|\\.)*")|([A-Za-z_]\w*|-?\d+(?:\.\d+)?)|(->|[{}\[\]=,;]))')
 
@@ -83,7 +84,7 @@ class Parser:
         return found
 
 
-@pytest.mark.parametrize("path", DRAWN, ids=name)
+@pytest.mark.parametrize("path", thorough_but(FEW, DRAWN), ids=name)
 def test_every_node_and_every_edge_is_written_once(path: Path) -> None:
     graph = drawing(path)
     found = Parser(dot(graph))

@@ -8,13 +8,14 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from representative import thorough_but
 
 from pirate_sm.views.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.views.drawing.graph.highlight import highlight
 from pirate_sm.views.drawing.text_formats import mermaid, plain_names
 from pirate_sm.views.drawing.wrapping import printable
 
-from ..conftest import DRAWN, ROOT, drawing, name
+from ..conftest import DRAWN, FEW, ROOT, drawing, name
 
 _TEXT = r'"((?:[^"#;]|#\w+;)*)"'
 _NODE = re.compile(rf"\s+(n_\w+|notes)[(\[]+{_TEXT}[)\]]+")
@@ -45,7 +46,7 @@ def plain(label: str) -> str:
     return unescape(re.sub(r"#(\w+);", lambda m: f"&{'#' * m[1].isdigit()}{m[1]};", unbroken))
 
 
-@pytest.mark.parametrize("path", DRAWN, ids=name)
+@pytest.mark.parametrize("path", thorough_but(FEW, DRAWN), ids=name)
 def test_every_node_and_every_edge_is_written_once(path: Path) -> None:
     graph = drawing(path)
     nodes, edges = read(mermaid(graph))
