@@ -64,6 +64,11 @@ class DiskAnswers:
         """Add a question with its answer."""
         self.whole &= self.answers.setdefault((name, path), answer) == answer
 
+    @property
+    def contents(self) -> list[str]:
+        """Return the paths of the files that were read, in this order."""
+        return [path for name, path in self.answers if name == _content.__name__]
+
     def holds(self) -> bool:
         """Return whether all questions have the same answers now."""
         return self.whole and all(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -20,15 +20,26 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import to_fs_path
 
 from pirate_sm import __version__
+from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.kept_results import KeptInMemory
+from pirate_sm.checking.project_files import find_targets
 from pirate_sm.checking.reports.check_report import CheckReport
-from pirate_sm.core.documents import Document, FileKind, LoadError, kind_of_text, parse_document
+from pirate_sm.core.documents import (
+    Document,
+    FileKind,
+    LoadError,
+    Problem,
+    kind_of_text,
+    parse_document,
+)
 from pirate_sm.core.errors import PirateError
 from pirate_sm.core.loading import TOLERABLE, load_mission, references
-from pirate_sm.core.on_disk import unsaved
+from pirate_sm.core.on_disk import noting, unsaved
 from pirate_sm.core.spelling import compared_with
 from pirate_sm.views.editor import outline
-from pirate_sm.views.editor.completions import PossibleWord, gap, offers
+from pirate_sm.views.editor.asked_place import AskedPlace
+from pirate_sm.views.editor.completions import PossibleWord, offers
+from pirate_sm.views.editor.names import FileSaid, NameAt, Names
 from pirate_sm.views.editor.positions import Positions
 from pirate_sm.views.editor.shown_findings import SOURCE, CheckedTexts
 
@@ -68,6 +79,9 @@ class Editor:
             types.WORKSPACE_DID_CHANGE_WATCHED_FILES: self._note_change,
             types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: self._symbols,
             types.TEXT_DOCUMENT_FOLDING_RANGE: self._folds,
+            types.TEXT_DOCUMENT_DEFINITION: self._definition,
+            types.TEXT_DOCUMENT_REFERENCES: self._references,
+            types.TEXT_DOCUMENT_RENAME: self._rename,
         }
         for name, answer in answers.items():
             self._server.feature(name)(partial(answer))
@@ -190,27 +204,108 @@ class Editor:
 
     async def _completions(self, asked: types.CompletionParams) -> list[types.CompletionItem]:
         """Return the words that are possible at a place; loading is asked in a thread."""
-        file = self._server.workspace.get_text_document(asked.text_document.uri)
-        text, path = file.source, os.path.realpath(file.path)
-        texts = {path: _content(file.source) for path, file in self._open().items()}
-        positions = Positions(text, self._server.workspace.position_codec)
-        start, end = gap(text, positions.index_of(asked.position))
+        question = self._question(asked)
 
         def compared(changed: str, word: str) -> list[str]:
-            with compared_with(word) as names, unsaved({**texts, path: changed.encode()}):
-                if kind_of_text(changed) is FileKind.MISSION:  # no need to explore it
-                    with suppress(PirateError), references.kept_inside(wanted=True):
-                        load_mission(Path(path), tolerated=TOLERABLE)
-                else:
-                    self._check([path])
+            with compared_with(word) as names:
+                self._loaded(question, {question.path: changed}, question.path)
             return [*names]
 
-        def work() -> list[PossibleWord]:
-            return [*offers(text, start, end, compared)]
+        def work() -> list[types.CompletionItem]:
+            place = question.range(NameAt(question.path, question.start), question.word)
+            end = question.start + len(question.word)
+            text = question.text_of(question.path)
+            return [_item(each, place) for each in offers(text, question.start, end, compared)]
 
-        made = asyncio.get_running_loop().run_in_executor(self._server.thread_pool, work)
-        place = positions.between(start, end)
-        return [_item(each, place) for each in await made]
+        return await self._in_thread(work)
+
+    async def _definition(self, asked: types.DefinitionParams) -> types.Location | None:
+        question = self._question(asked)
+
+        def work() -> types.Location | None:
+            names, at, word = self._names(question), question.spot, question.word
+            if not word:
+                return None
+            found = names.declaration(at, word)
+            if found is None and (file := names.file(at, word)) is not None:
+                return question.location(NameAt(file, 0), "")
+            found = found or names.key(at, word)
+            return question.location(found, word) if found else None
+
+        return await self._in_thread(work)
+
+    async def _references(self, asked: types.ReferenceParams) -> list[types.Location]:
+        question = self._question(asked)
+
+        def work() -> list[types.Location]:
+            spots = self._spots(question, self._names(question))
+            spots = spots if asked.context.include_declaration else spots[1:]
+            return [question.location(each, question.word) for each in spots]
+
+        return await self._in_thread(work)
+
+    async def _rename(self, asked: types.RenameParams) -> types.WorkspaceEdit | None:
+        """Return the change that gives a name another spelling; None if it would be refused."""
+        question = self._question(asked)
+
+        def work() -> types.WorkspaceEdit | None:
+            names, word = self._names(question), question.word
+            spots = self._spots(question, names)
+            if not spots or not names.renamed(spots, word, asked.new_name):
+                return None
+            edits: dict[str, list[types.TextEdit]] = {}
+            for each in spots:
+                edit = types.TextEdit(question.range(each, word), asked.new_name)
+                edits.setdefault(question.uri(each.path), []).append(edit)
+            return types.WorkspaceEdit(changes=edits)
+
+        return await self._in_thread(work)
+
+    def _question(self, asked: Any) -> AskedPlace:
+        """Return a question about a position, with the texts as they are now."""
+        files = self._open()
+        file = self._server.workspace.get_text_document(asked.text_document.uri)
+        texts = {path: each.source for path, each in files.items()}
+        uris = {path: each.uri for path, each in files.items()}
+        codec = self._server.workspace.position_codec
+        return AskedPlace(os.path.realpath(file.path), asked.position, texts, uris, codec)
+
+    async def _in_thread(self, work: Callable[[], R]) -> R:
+        return await asyncio.get_running_loop().run_in_executor(self._server.thread_pool, work)
+
+    def _names(self, question: AskedPlace) -> Names:
+        return Names(partial(self._loaded, question), question.text_of)
+
+    def _spots(self, question: AskedPlace, names: Names) -> list[NameAt]:
+        """Return where a name is declared, and all its uses in open missions and in the project."""
+        declared = question.word and names.declaration(question.spot, question.word)
+        if not declared:
+            return []
+        targets = find_targets(()).targets
+        missions = (each.path for each in targets if each.kind is FileKind.MISSION)
+        others = dict.fromkeys([*question.texts, *map(os.path.realpath, missions)])
+        others.pop(question.path)
+        return [declared, *names.uses(declared, question.word, others)]
+
+    def _loaded(self, question: AskedPlace, changed: Mapping[str, str], path: str) -> FileSaid:
+        """Load a file with changed texts; a mission without exploring it."""
+        texts = {**question.texts, **changed}
+        errors: Iterable[Finding | Problem] = ()
+        with unsaved({each: _content(text) for each, text in texts.items()}), noting() as asked:
+            if kind_of_text(question.text_of(path, texts)) is FileKind.MISSION:
+                try:
+                    with references.kept_inside(wanted=True):
+                        errors = load_mission(Path(path), tolerated=TOLERABLE).problems
+                except LoadError as error:
+                    errors = error.problems
+                except PirateError:
+                    pass
+            else:
+                errors = self._check([path]).open
+        wrong = (each for each in errors if each.severity is Severity.ERROR)
+        read = map(os.path.realpath, asked.contents)
+        found = frozenset((each.place, each.message) for each in wrong)
+        return FileSaid(found, tuple(dict.fromkeys(read)))
 
     def _symbols(self, asked: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
         return self._outline(asked.text_document.uri, outline.symbols)

@@ -118,9 +118,15 @@ class CheckedTexts:
     def _on(self, name: str) -> Positions:
         """Return the positions in a file; in an empty one if it cannot be read."""
         if name not in self._positions:
-            content = b""
-            with suppress(OSError, ValueError), unsaved(self.texts), opened(name) as stream:
-                content = stream.read(LARGEST_FILE)
-            text = content.decode("utf-8-sig", errors="replace")
+            with unsaved(self.texts):
+                text = text_on_disk(name)
             self._positions[name] = Positions(text, self.codec)
         return self._positions[name]
+
+
+def text_on_disk(name: str) -> str:
+    """Return the text of a file; an empty one if it cannot be read."""
+    content = b""
+    with suppress(OSError, ValueError), opened(name) as stream:
+        content = stream.read(LARGEST_FILE)
+    return content.decode("utf-8-sig", errors="replace")
