@@ -58,7 +58,7 @@ class Names:
     _before: dict[str, FileSaid] = field(default_factory=dict)
 
     def declaration(self, at: NameAt, word: str) -> NameAt | None:
-        """Return where a name of this file is declared; None if it is elsewhere, or is no name."""
+        """Return where a name of this file is declared; None if it is elsewhere, or not a name."""
         for start in islice(_written(self.text_of(at.path), word), _MOST):
             other = NameAt(at.path, start)
             if other != at and at in self.uses(other, word):
