@@ -101,13 +101,13 @@ def measure_recording(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         until_s = minutes * 60
-        _run(None, inf, until_s)
+        run_once(None, inf, until_s)
         # In turn, so that what else goes on meanwhile meets both.
         pairs = [
-            (_run(None, inf, until_s), _run(folder / f"{n}.mcap", inf, until_s))
+            (run_once(None, inf, until_s), run_once(folder / f"{n}.mcap", inf, until_s))
             for n in range(repeats)
         ]
-        plain, real = (_run(path, 1.0, real_time_s) for path in (None, folder / "real.mcap"))
+        plain, real = (run_once(path, 1.0, real_time_s) for path in (None, folder / "real.mcap"))
     without, kept = ([pair[each] for pair in pairs] for each in (0, 1))
     before, after = (_median(costs, lambda c: c.run_s / c.wall_s) for costs in (without, kept))
     lost = median(1 - pair[0].wall_s / pair[1].wall_s for pair in pairs)
@@ -135,7 +135,7 @@ def measure_short(bends: int = BENDS) -> None:
         for number in range(bends + 1):
             for kind, (kept, factor) in kinds.items():  # in turn: see above
                 path = Path(name) / f"{kind}_{number}.mcap" if kept else None
-                cost = _run(path, factor, inf, BEND)
+                cost = run_once(path, factor, inf, BEND)
                 sizes[kind] = cost.size
                 if number:  # the first is slower
                     spent[kind].append(cost.user_s)
@@ -171,11 +171,12 @@ def _median(costs: list[Cost], of: Callable[[Cost], float]) -> float:
     return median(map(of, costs))
 
 
-def _run(path: Path | None, factor: float, until_s: float, mission: str = str(MISSION)) -> Cost:
+def run_once(path: Path | None, factor: float, until_s: float, mission: str = str(MISSION)) -> Cost:
+    """Run the mission up to a time, and return what it took; the recording goes to the path."""
     prepared = prepare(Order(mission))
     wishes = RecordingOptions(record=str(path) if path else None, off=path is None)
     requests = StopRequests()
-    began_s, spent_s, user_s = perf_counter(), process_time(), _user_s()
+    began_s, spent_s, user_s = perf_counter(), process_time(), user_time_s()
     with recorded(prepared, wishes, factor) as kept:
         run = MissionRun(
             prepared.engine, prepared.backend, tap=kept.tap, requests=requests, factor=factor,
@@ -188,10 +189,11 @@ def _run(path: Path | None, factor: float, until_s: float, mission: str = str(MI
         result = run.execute()
     wall_s, processor_s = perf_counter() - began_s, process_time() - spent_s
     size = path.stat().st_size if path else 0
-    return Cost(wall_s, processor_s, _user_s() - user_s, result.now_s, size, beginning)
+    return Cost(wall_s, processor_s, user_time_s() - user_s, result.now_s, size, beginning)
 
 
-def _user_s() -> float:
+def user_time_s() -> float:
+    """Return the processor time of this process so far, s, outside of the operating system."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_utime
 
 
@@ -228,7 +230,7 @@ def measure_long(hours: float, kept: Path | None) -> None:
 
 def record(path: Path, hours: float) -> None:
     """Record so much mission time."""
-    _run(path, inf, inf, str(_lasting(path.parent, hours)))
+    run_once(path, inf, inf, str(_lasting(path.parent, hours)))
 
 
 def _lasting(folder: Path, hours: float) -> Path:

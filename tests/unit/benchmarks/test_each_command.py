@@ -25,6 +25,7 @@ SMALLEST = (
     "belief --runs 1",
     "bench simulator processes --repeats 1",
     "check --runs 1 --mission climb --phases 30 --held 2",
+    "columns --minutes 0.2",
     "completion --repeats 1",
     "console --seconds 1 --stops 1",
     "fidelity --row 'round: elbow' --seeds 1",
