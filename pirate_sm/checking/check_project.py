@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 from pirate_sm.checking.check_file import CHECKS, FileCheck, folder_of
 from pirate_sm.checking.file_part import FilePart, Wishes
@@ -16,7 +16,7 @@ from pirate_sm.checking.findings import (
     each_once,
     settle,
 )
-from pirate_sm.checking.kept_results import kept
+from pirate_sm.checking.kept_results import again, kept
 from pirate_sm.checking.project_files import CheckTarget, find_targets
 from pirate_sm.checking.reports.check_report import (
     CheckReport,
@@ -38,6 +38,13 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int, str], None]
 """Called before each file with the number done, the total, and the name of the file."""
+
+
+_LONG = (FileKind.MISSION, FileKind.CAMPAIGN)
+"""The kinds of files of which missions are explored."""
+
+FEWEST: Final = 6
+"""How many of them are worth processes. [decided]"""
 
 
 # --- the check -----------------------------------------------------------------------------------
@@ -62,7 +69,11 @@ def check_paths(
             find(name, Path.cwd())
     found = find_targets(paths)
     project = _Project(wishes, [*wishes.other_findings, *found.findings])
-    with references.kept_inside(wanted=not wishes.outside), _uncollected():
+    with (
+        references.kept_inside(wanted=not wishes.outside),
+        _uncollected(),
+        project.shared_out(found.targets),
+    ):
         for number, target in enumerate(found.targets):
             if progress is not None:
                 progress(number, len(found.targets), shown(target.path))
@@ -92,6 +103,29 @@ class _Project:
         self._names: dict[str, None] = {}
         folder = wishes.counterexamples
         self._examples = None if folder is None else _examples_in(folder)
+        self._known: dict[CheckTarget, FilePart] = {}  # from results that were kept
+        self._make: Callable[[CheckTarget], dict[str, Any]] = self._checked
+
+    @contextmanager
+    def shared_out(self, targets: Sequence[CheckTarget]) -> Iterator[None]:
+        """Return a context in which processes check what takes long and is not kept."""
+        if self._examples or self._wishes.rehearse or not self._wishes.keep_going:
+            yield
+            return
+        fresh = []
+        for target in (each for each in targets if each.kind in _LONG):
+            part = again("file", self._key(target), FilePart.read)
+            if part is None:
+                fresh.append(target)
+            else:
+                self._known[target] = part
+        if len(fresh) < FEWEST:
+            yield
+            return
+        from pirate_sm.checking.shared_out import shared_out
+
+        with shared_out(fresh, self._checked) as self._make:
+            yield
 
     def take(self, target: CheckTarget) -> None:
         """Check one file."""
@@ -101,14 +135,20 @@ class _Project:
         known_here = CHECKS[target.kind] is not FileCheck.above
         if not (known_here or target.named or target.kind in wishes.others):
             return
-        check = FileCheck(wishes, self._examples)
         if self._examples or wishes.rehearse:
-            part = check.part(target)
+            part = FileCheck(wishes, self._examples).part(target)
         else:
-            key = str(target.path), str(target.kind), target.named, *wishes.key
-            part = kept("file", key, lambda: check.part(target).written(), FilePart.read)
+            part = self._known.get(target) or kept(
+                "file", self._key(target), lambda: self._make(target), FilePart.read
+            )
         self._parts[name] = part
         self._names |= dict.fromkeys(part.names)
+
+    def _checked(self, target: CheckTarget) -> dict[str, Any]:
+        return FileCheck(self._wishes).part(target).written()
+
+    def _key(self, target: CheckTarget) -> tuple[Any, ...]:
+        return str(target.path), str(target.kind), target.named, *self._wishes.key
 
     def report(self) -> CheckReport:
         """Return the report with distinct findings, in which allowed ones are marked."""

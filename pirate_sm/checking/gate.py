@@ -9,10 +9,7 @@ from typing import ClassVar, Final
 
 from pirate_sm.checking.findings import Finding, Severity, read, settle, written
 from pirate_sm.checking.kept_results import kept
-from pirate_sm.checking.mission.check_mission import check_loaded
 from pirate_sm.checking.permissions import SIMULATED
-from pirate_sm.checking.reports.check_report import CheckedFile, CheckReport
-from pirate_sm.checking.reports.text import text_report
 from pirate_sm.core.documents import FileKind
 from pirate_sm.core.errors import ExitCode, Hint, PirateError
 from pirate_sm.core.loading import LoadedMission, references
@@ -24,6 +21,9 @@ class CheckError(PirateError):
     exit_code: ClassVar[int] = ExitCode.USAGE
 
     def __init__(self, names: Sequence[str], findings: tuple[Finding, ...]) -> None:
+        from pirate_sm.checking.reports.check_report import CheckedFile, CheckReport
+        from pirate_sm.checking.reports.text import text_report
+
         self.names, self.findings = names, findings
         report = CheckReport(findings, tuple(CheckedFile(name, FileKind.MISSION) for name in names))
         said = text_report(report, lambda role, text: text)
@@ -53,13 +53,11 @@ def pass_or_raise(
     Raises:
         CheckError: The mission has errors that its files do not allow.
     """
-    texts = {document.name: document.text for document in loaded.documents}
     found = _found_in(loaded, afresh=backend not in SIMULATED)
-    settled = settle(found, texts)
     spared = frozenset() if words_of_bends else _OF_BENDS
     faults = tuple(
         each
-        for each in settled
+        for each in found
         if each.severity is Severity.ERROR and not each.allowed and each.code not in spared
     )
     if faults:
@@ -68,7 +66,7 @@ def pass_or_raise(
 
 
 def _found_in(loaded: LoadedMission, *, afresh: bool) -> tuple[Finding, ...]:
-    """Return what the check finds in a mission, with or without what is kept in files."""
+    """Return what the check finds in a mission and its comments allow, kept in a file or not."""
     if afresh or not loaded.origin:
         return _checked(loaded)
     inputs = loaded.origin, references.keeps_inside()
@@ -85,7 +83,10 @@ def _checked(loaded: LoadedMission) -> tuple[Finding, ...]:
     for known, found in tuple(_CHECKED):
         if _same(known, loaded):
             return found
-    found = check_loaded(loaded).findings
+    from pirate_sm.checking.mission.check_mission import check_loaded  # takes long to import
+
+    texts = {document.name: document.text for document in loaded.documents}
+    found = settle(check_loaded(loaded).findings, texts)
     _CHECKED.append((loaded, found))
     return found
 

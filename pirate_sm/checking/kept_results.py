@@ -55,7 +55,10 @@ _using: ContextVar[_Using | None] = ContextVar("using", default=None)
 
 @contextmanager
 def kept_results() -> Iterator[None]:
-    """Return a context in which results are kept and used again."""
+    """Return a context in which results are kept and used again; inside of one it is that one."""
+    if _using.get() is not None:
+        yield
+        return
     entries, stamp = results(), _stamp()
     using = None
     if entries is not None and stamp is not None and here():
@@ -124,6 +127,21 @@ def again(what: str, inputs: tuple[Any, ...], read: Callable[[Any], R]) -> R | N
     """Return a result from the folder; None without one."""
     using = _using.get()
     return None if using is None else _read(using, _key(using, what, inputs), read)
+
+
+def take_waiting() -> dict[str, Any]:
+    """Return the new entries, which another process writes."""
+    using, waiting = _using.get(), {}
+    if using is not None:
+        waiting, using.waiting = using.waiting, waiting
+    return waiting
+
+
+def add_waiting(entries: Mapping[str, Any]) -> None:
+    """Add the new entries of another process to those that wait."""
+    using = _using.get()
+    if using is not None:
+        using.waiting.update(entries)
 
 
 def _key(using: _Using, what: str, inputs: tuple[Any, ...]) -> str:

@@ -1,4 +1,4 @@
-"""The commands `pirate` and `pirate-run`: a table of their options and their work.
+"""The commands `pirate` and `pirate-run`: reads a command line with typer, then its work is done.
 
 A command's options are imported when it is requested, its work when it is known to run. So help
 texts and usage errors do not wait for models, numbers and compilers.
@@ -6,71 +6,22 @@ texts and usage errors do not wait for models, numbers and compilers.
 
 from __future__ import annotations
 
-import gc
 import os
 import sys
 from collections.abc import Iterable
-from importlib import import_module
 from inspect import Parameter, Signature
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from pirate_sm.cli import ctrl_c
+from pirate_sm.cli import line
 from pirate_sm.cli.completion import ASKING
+from pirate_sm.cli.line import COMMANDS, found
 from pirate_sm.cli.options.common import VERSION
-from pirate_sm.cli.options.declaring import made, parameters_of, plain_refusal
-from pirate_sm.cli.output.terminal import degrade
+from pirate_sm.cli.options.declaring import parameters_of, plain_refusal
 
-COMMANDS = {
-    "run": ("running:RunOptions", "run:run_mission"),
-    "demo": ("running:DemoOptions", "demo:play_demo"),
-    "list": ("files:ListOptions", "list:list_things"),
-    "schema": ("files:SchemaOptions", "schema:print_schema"),
-    "check": ("checks:CheckOptions", "check:run_check"),
-    "lsp": ("checks:LspOptions", "lsp:serve_editor"),
-    "explain": ("checks:ExplainOptions", "explain:explain_code"),
-    "diff": ("checks:DiffOptions", "diff:run_diff"),
-    "graph": ("files:GraphOptions", "graph:draw_graph"),
-    "import": ("files:ImportOptions", "import_chart:import_chart"),
-    "plan": ("files:PlanOptions", "plan:print_plan"),
-    "robot": ("files:RobotOptions", "robot_page:write_page"),
-    "campaign": ("estimates:CampaignOptions", "campaign:run_campaign"),
-    "console": ("running:ConsoleOptions", "console:open_console"),
-    "panel": ("devices:PanelOptions", "panel:show_panel"),
-    "doctor": ("devices:DoctorOptions", "doctor:run_doctor"),
-    "calibrate": ("devices:CalibrateOptions", "calibrate:run_calibrate"),
-    "bay": ("devices:BayOptions", "bay:run_bay"),
-    "firmware": ("files:FirmwareOptions", "firmware:write_tables"),
-    "replay": ("recordings:ReplayOptions", "replay:run_replay"),
-    "compare": ("recordings:CompareOptions", "compare:run_compare"),
-    "export": ("recordings:ExportOptions", "export:run_export"),
-    "map": ("recordings:MapOptions", "map:write_map"),
-    "fit": ("estimates:FitOptions", "fit:run_fit"),
-    "experiment": ("estimates:ExperimentOptions", "experiment:run_experiment"),
-    "report": ("recordings:ReportOptions", "report:write_reports"),
-    "repair": ("recordings:RepairOptions", "repair:run_repair"),
-    "camera print": ("devices:PrintOptions", "camera:print_sheets"),
-    "camera calibrate": ("devices:CalibrateCameraOptions", "camera:calibrate_camera"),
-    "camera survey": ("devices:SurveyOptions", "camera:survey_camera"),
-    "camera look": ("devices:LookOptions", "camera:look"),
-    "config": ("files:ConfigOptions", "config:show_settings"),
-    "cache": ("files:CacheOptions", "cache:show_cache"),
-    "completion": ("files:CompletionOptions", "completion:print_script"),
-    "new mission": ("files:NewMissionOptions", "new:write_mission"),
-    "new pipe": ("files:NewPipeOptions", "new:write_pipe"),
-    "new campaign": ("files:NewCampaignOptions", "new:write_campaign"),
-    "new robot": ("files:NewRobotOptions", "new:write_robot"),
-    "new camera": ("files:NewCameraOptions", "new:write_camera"),
-    "new panel": ("files:NewPanelOptions", "new:write_panel"),
-}
-"""Each command with its options in ``cli/options`` and its work in ``cli/commands``.
-
-The options are a dataclass: its fields are the arguments and options in the order of the help text,
-its docstring is the help text. The work takes them and returns the exit code.
-"""
-
+_VERSION = VERSION()
 
 GROUPS = {
     "new": "Start a mission, a pipe, a robot or other files that run.",
@@ -156,37 +107,15 @@ def _app(**more: Any) -> typer.Typer:
     )
 
 
-_MOVE = ("run", "console", "doctor", "calibrate")
-"""The commands that are connected to a robot; while they are, they catch signals themselves."""
-
-_CHECK = ("check", "run", "demo", "campaign", "console")
-"""The commands that check files, and use kept results again."""
-
-
 def _single(name: str) -> typer.Typer:
     """Return an app with one command; its options are imported, its work is not."""
-    options_at, work_at = COMMANDS[name]
-    options = _found("options", options_at)
+    options = found("options", COMMANDS[name][0])
 
     def command(context: typer.Context, **given: Any) -> None:
-        from pirate_sm.cli.errors import guarded
-        from pirate_sm.cli.settings import with_settings
-
-        def is_given(option: str) -> bool:
-            source = context.get_parameter_source(option)
-            return source is not None and source.name == "COMMANDLINE"
-
-        def work() -> int:
-            chosen = made(options, with_settings(name, given, is_given))
-            ctrl_c.answer(moves=name in _MOVE)
-            if name not in _CHECK or given.get("no_cache"):
-                return int(_work(work_at)(chosen))
-            from pirate_sm.checking.kept_results import kept_results
-
-            with kept_results():
-                return int(_work(work_at)(chosen))
-
-        raise typer.Exit(guarded(work, given["debug"]))
+        sources = {each: str(context.get_parameter_source(each)) for each in given}
+        named = [each for each, source in sources.items() if source.endswith("COMMANDLINE")]
+        line.keep(name, given, named)
+        raise typer.Exit(line.work(name, given, named))
 
     context = Parameter("context", Parameter.KEYWORD_ONLY, annotation=typer.Context)
     vars(command)["__signature__"] = Signature([context, *parameters_of(options)])
@@ -195,26 +124,11 @@ def _single(name: str) -> typer.Typer:
     return app
 
 
-def _work(at: str) -> Any:
-    """Return the function that does the work of a command, and collect garbage from then on."""
-    work = _found("commands", at)
-    if not gc.isenabled():  # `start.py` has seen to that
-        gc.freeze()
-        gc.enable()
-    return work
-
-
-def _found(package: str, at: str) -> Any:
-    """Return the object at ``module:name`` in a package of the command line."""
-    module, _, name = at.partition(":")
-    return getattr(import_module(f"pirate_sm.cli.{package}.{module}"), name)
-
-
 def about(name: str) -> str:
     """Return the first line of the help text of a command or of a group of commands."""
     if name in GROUPS:
         return GROUPS[name]
-    return str(_found("options", COMMANDS[name][0]).__doc__).partition("\n")[0]
+    return str(found("options", COMMANDS[name][0]).__doc__).partition("\n")[0]
 
 
 def only_run() -> typer.Typer:
@@ -228,34 +142,22 @@ for group, text in GROUPS.items():
 
 
 @commands.callback()
-def _everything(version: Annotated[bool, VERSION] = False) -> None:
+def _everything(version: Annotated[bool, _VERSION] = False) -> None:
     """Missions in YAML for in-pipe inspection robots."""
 
 
 def _enter(app: typer.Typer) -> None:
-    """Run the app, which ends this process; report in one line that output cannot be written."""
-    if sys.stdout is None:
-        from pirate_sm.cli.errors import say
-        from pirate_sm.core.errors import ExitCode
+    """Run the app, which ends this process."""
 
-        say("the output cannot be written: standard output is closed")
-        raise SystemExit(ExitCode.OUTPUT_LOST)
-    degrade(sys.stdout)
-    degrade(sys.stderr)
-    try:
-        try:
-            if len(sys.argv) == 1 and ASKING in os.environ:
-                from pirate_sm.cli.completion.answer import answered
+    def run() -> None:
+        if len(sys.argv) == 1 and ASKING in os.environ:
+            from pirate_sm.cli.completion.answer import answered
 
-                sys.stdout.write(answered(typer.main.get_command(app), os.environ, about))
-            else:
-                app()
-        finally:
-            sys.stdout.flush()
-    except OSError as error:
-        from pirate_sm.cli.errors import output_lost
+            sys.stdout.write(answered(typer.main.get_command(app), os.environ, about))
+        else:
+            app()
 
-        raise SystemExit(output_lost(error)) from None
+    line.enter(run)
 
 
 def main() -> None:

@@ -91,13 +91,12 @@ def _start(command: str) -> None:
     _prepare()
 
     def work() -> None:
-        if command == "main" and sys.argv[1:2] == ["check"]:
-            from pirate_sm.cli.kept_reports import print_again
+        from pirate_sm.cli import line
 
-            print_again(sys.argv[1:])
-        from pirate_sm.cli import entry
+        with line.begun([*(["run"] if command == "run_main" else []), *sys.argv[1:]]):
+            from pirate_sm.cli import entry
 
-        getattr(entry, command)()
+            getattr(entry, command)()
 
     _end(work)
 

@@ -14,15 +14,16 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from itertools import islice
 from pathlib import Path
-from typing import Any, TypeAlias
-
-import typer
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pirate_sm.core import library
 from pirate_sm.core.errors import PirateError, UsageError
 from pirate_sm.core.library import PROFILE_FILE
 from pirate_sm.core.on_disk import is_file, is_folder, opened
 from pirate_sm.core.options import DEFECT_KEYS, keys_of_defect
+
+if TYPE_CHECKING:
+    import typer
 
 # --- reading for a shell ------------------------------------------------------------------------
 

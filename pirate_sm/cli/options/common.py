@@ -7,14 +7,12 @@ else.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import field
 from functools import partial
 from inspect import Parameter
 from math import isfinite
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
-
-import typer
 
 from pirate_sm import __version__
 from pirate_sm.cli.completion import candidates
@@ -27,6 +25,7 @@ from pirate_sm.cli.options.declaring import (
     read_duration,
     read_length,
     read_pairs,
+    shape,
 )
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.options import DIFFERS, JITTER, OPTIONS, RunOption
@@ -49,6 +48,8 @@ def _print_version(wanted: bool) -> None:
     if wanted:
         from typing import get_args
 
+        import typer
+
         from pirate_sm.cli.output.event_lines import FORMAT as LINES
         from pirate_sm.core.events import ALPHABET_VERSION
         from pirate_sm.core.fields import Format
@@ -61,7 +62,8 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-VERSION = typer.Option(
+VERSION = shape(
+    "Option",
     "--version",
     callback=_print_version,
     is_eager=True,
@@ -95,9 +97,11 @@ def of_run(name: str) -> Any:
 
 def of_all_runs(*, jitter: bool) -> Any:
     """Return a field with the options of runs as they are written, with or without --jitter."""
-    several = [_parameter(each) for each in OPTIONS.values() if not each.key]
-    if jitter:
-        several.append((_PLACES["jitter"], _jitter()))
+
+    def several() -> list[tuple[float, Parameter]]:
+        found = [_parameter(each) for each in OPTIONS.values() if not each.key]
+        return [*found, (_PLACES["jitter"], _jitter())] if jitter else found
+
     return field(default_factory=dict, metadata={"several": several})
 
 
@@ -112,30 +116,32 @@ def _parameter(option: RunOption) -> tuple[float, Parameter]:
     return _PLACES[option.word], Parameter(
         option.name,
         Parameter.KEYWORD_ONLY,
-        annotation=Annotated[list[str] | None if option.many else kind, _declaration(option)],
+        annotation=Annotated[list[str] | None if option.many else kind, _declaration(option)()],
         default=option.on_command_line,
     )
 
 
 def _jitter() -> Parameter:
     examples = ", ".join(f"{each.key}={each.form}" for each in JITTER)
-    shape = typer.Option(
+    own = shape(
+        "Option",
         "--jitter",
         metavar="NAME=VALUE",
         autocompletion=candidates.words(*(f"{each.key}=" for each in JITTER)),
         help=f"{DIFFERS}: {examples}.",
     )
-    kind = Annotated[list[str] | None, shape]
+    kind = Annotated[list[str] | None, own()]
     return Parameter("jitter", Parameter.KEYWORD_ONLY, annotation=kind, default=None)
 
 
-def _declaration(option: RunOption) -> Any:
+def _declaration(option: RunOption) -> Callable[[], Any]:
     names, offered = option.flag, None
     if option.type is bool and option.on_command_line:
         names = f"{names}/{names.replace('--', '--no-', 1)}"
     if option.completes:
         offered = getattr(candidates, option.completes)
-    return typer.Option(
+    return shape(
+        "Option",
         names,
         metavar=option.form or None,
         autocompletion=offered,

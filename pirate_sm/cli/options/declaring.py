@@ -9,8 +9,6 @@ from inspect import Parameter, signature
 from math import inf, isfinite
 from typing import Annotated, Any, TypeAlias
 
-import typer
-
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.spelling import meant
 from pirate_sm.core.units import LENGTH, SPEED, TIME, Dimension, QuantityError, read_quantity
@@ -24,8 +22,31 @@ _AFTER_RUNS = 1000.0
 """The place of options in help texts, in the order of their fields, if they have no other one."""
 
 
-def declared(parameter: Any, default: Any) -> Any:
-    """Return a field of an options class with what declares it to the command line's library."""
+def shape(kind: str, *names: str, **more: Any) -> Callable[[], Any]:
+    """Return what declares a parameter to the command line's library, which this does not import.
+
+    Args:
+        kind: Its name there: ``Option`` or ``Argument``.
+        names: How it is written.
+        more: What else the library takes.
+    """
+    completion = more.pop("autocompletion", None)
+
+    def complete(ctx: Any, incomplete: str) -> Any:  # the library knows the parameters by name
+        return completion(ctx, incomplete)
+
+    def make() -> Any:
+        import typer
+
+        if completion is not None:
+            more["autocompletion"] = complete
+        return getattr(typer, kind)(*names, **more)
+
+    return make
+
+
+def declared(parameter: Callable[[], Any], default: Any) -> Any:
+    """Return a field of an options class with its shape."""
     return field(default=default, metadata={"parameter": parameter})
 
 
@@ -41,8 +62,8 @@ def option(
         names: How it is written; without any, the field's name after two dashes.
         default: Its value where it is not given.
     """
-    shape = typer.Option(*names, metavar=metavar, autocompletion=completion, help=help_text)
-    return declared(shape, default)
+    own = shape("Option", *names, metavar=metavar, autocompletion=completion, help=help_text)
+    return declared(own, default)
 
 
 def argument(
@@ -52,13 +73,13 @@ def argument(
 
     Without a default it must be given; without a metavar help shows the field's name.
     """
-    shape = typer.Argument(metavar=metavar, autocompletion=completion, help=help_text)
-    return declared(shape, default)
+    own = shape("Argument", metavar=metavar, autocompletion=completion, help=help_text)
+    return declared(own, default)
 
 
 def flag(help_text: str, *names: str, default: bool = False) -> Any:
     """Return an option without a value; the parameters are those of :func:`option`."""
-    return declared(typer.Option(*names, help=help_text), default)
+    return declared(shape("Option", *names, help=help_text), default)
 
 
 def typed(help_text: str, *names: str, default: Any = None, **more: Any) -> Any:
@@ -70,7 +91,7 @@ def typed(help_text: str, *names: str, default: Any = None, **more: Any) -> Any:
         default: Its value where it is not given.
         more: Bounds of a number, ``min`` and ``max``, and a ``metavar``.
     """
-    return declared(typer.Option(*names, help=help_text, **more), default)
+    return declared(shape("Option", *names, help=help_text, **more), default)
 
 
 def placed(option: Any, place: float) -> Any:
@@ -93,9 +114,9 @@ def parameters_of(options: type) -> list[Parameter]:
         parameter, place = each.metadata.get("parameter"), each.metadata.get("place", _AFTER_RUNS)
         if parameter is not None:
             own = taken[each.name]
-            own = own.replace(annotation=Annotated[own.annotation, parameter])
+            own = own.replace(annotation=Annotated[own.annotation, parameter()])
             found.append((place, own))
-        found += each.metadata.get("several", ())
+        found += each.metadata.get("several", tuple)()
     return [each for _, each in sorted(found, key=lambda placed: placed[0])]
 
 

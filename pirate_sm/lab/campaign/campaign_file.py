@@ -150,7 +150,8 @@ class _Reading:
         document: The file.
         folder: Its folder, to which paths in it refer.
         seeds: Seeds instead of the file's.
-        keyed: Whether keys tell the points of a sensitivity apart, which takes SALib.
+        keyed: Whether there are keys for runs: missions are pickled, and keys tell the
+            points of a sensitivity apart, which takes SALib.
     """
 
     document: Document
@@ -372,7 +373,7 @@ class _Reading:
         same = (order.mission, order.pipe, order.robot, *order.settings.items())
         if same not in self.loaded:
             loaded = load(order)
-            blob = pickle.dumps(loaded)
+            blob = pickle.dumps(loaded) if self.keyed else repr(same).encode()
             key = sha256(blob).hexdigest()
             self.blobs[key] = blob
             self.loaded[same], self.places[same] = (key, loaded), at

@@ -13,6 +13,7 @@ from checking.robots import NEWT, ROOT, changed
 from checking.small_missions import MISSION
 from pirate_sm.checking import gate
 from pirate_sm.checking.gate import CheckError, pass_or_raise
+from pirate_sm.checking.mission import check_mission
 from pirate_sm.core.loading import LoadedMission, load_mission
 from pirate_sm.robot.calibration_files import with_zeros
 from pirate_sm.running.wiring import Order, prepare
@@ -80,9 +81,11 @@ def with_other_zeros() -> LoadedMission:
 def test_only_the_same_mission_is_not_explored_again(
     other: Callable[[], LoadedMission], explored: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    check, seen = gate.check_loaded, []
+    check, seen = check_mission.check_loaded, []
     gate._CHECKED.clear()
-    monkeypatch.setattr(gate, "check_loaded", lambda loaded: seen.append(loaded) or check(loaded))
+    monkeypatch.setattr(
+        check_mission, "check_loaded", lambda loaded: seen.append(loaded) or check(loaded)
+    )
 
     for each in (DRIVE_ON(), other()):
         assert pass_or_raise(each) == check(each).findings

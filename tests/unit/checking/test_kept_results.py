@@ -588,6 +588,7 @@ BESIDE = {
     "core/_loading/chart_exploration.py": "itself, for the key of a table",
     "core/kept_entries.py": "what is kept, which is the same with and without",
     "checking/kept_results.py": "the package and what is installed",
+    "checking/shared_out.py": "how many threads this process has",
     "checking/reports/check_report.py": "writes files",
     "checking/reports/counterexamples.py": "writes files",
     "lab/campaign/campaign_file.py": "a mission instead of a campaign, which is not checked",

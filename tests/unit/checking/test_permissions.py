@@ -12,7 +12,7 @@ import pytest
 
 from pirate_sm.checking import permissions
 from pirate_sm.cli import settings
-from pirate_sm.cli.entry import COMMANDS, _found
+from pirate_sm.cli.line import COMMANDS, found
 from pirate_sm.cli.options.declaring import parameters_of
 from pirate_sm.cli.scene_steps import simulating, why_refused
 from pirate_sm.core._loading.mission.loader import load_mission
@@ -29,7 +29,7 @@ MISSION = Path("sequences/mitre_bend.yaml")
 
 
 def _parameters(command: str) -> list[Parameter]:
-    return parameters_of(_found("options", COMMANDS[command][0]))
+    return parameters_of(found("options", COMMANDS[command][0]))
 
 
 def test_the_list_names_commands_and_options_that_there_are() -> None:

@@ -22,5 +22,7 @@ def test_the_work_of_a_command_takes_its_options_and_gives_an_exit_code(command:
 
     options, work = found("options", options_at), found("commands", work_at)
 
-    assert get_type_hints(work) == {"options": options, "return": int}
+    assert get_type_hints(
+        work, {**vars(import_module(work.__module__)), options.__name__: options}
+    ) == {"options": options, "return": int}
     assert {each.name for each in fields(options)} & {"debug", "version"}

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from typer.testing import Result
 
-from pirate_sm.cli.entry import COMMANDS, _found
+from pirate_sm.cli.line import COMMANDS, found
 from pirate_sm.core.errors import UsageError
 from pirate_sm.lab.campaign.store import MARK, Store
 from pirate_sm.robot.camera import FileSource, ImagesSource
@@ -116,7 +116,7 @@ def test_every_command_that_reads_files_is_here() -> None:
 
 
 def _reads(options: str) -> bool:
-    declared = (each.metadata["parameter"] for each in fields(_found("options", options)))
+    declared = (each.metadata["parameter"]() for each in fields(found("options", options)))
     return any(each.autocompletion is not None for each in declared)
 
 

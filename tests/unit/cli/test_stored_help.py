@@ -7,6 +7,7 @@ import io
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -36,18 +37,19 @@ MOST_OF_A_CHECK = 187
 """Our modules that checking a mission imports."""
 
 
-def imported(line: str, **environment: str) -> tuple[str, set[str]]:
+def imported(line: str, code: int = 0, **environment: str) -> tuple[str, set[str]]:
     """Return what a command line prints, and the modules that it imports."""
     program, *arguments = line.split()
     main = "run_main" if program == "pirate-run" else "main"
     ran = subprocess.run(
         [sys.executable, "-c", CODE.format(main=main, program=program), *arguments],
         capture_output=True,
-        check=True,
+        check=False,
         text=True,
         cwd=ROOT,
         env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8", **environment},
     )
+    assert ran.returncode == code
     return ran.stdout, set(ran.stderr.split())
 
 
@@ -81,6 +83,24 @@ def test_a_check_of_a_mission_imports_only_what_its_files_need() -> None:
     assert "1 mission checked" in told
     ours = [each for each in modules if each.split(".")[0] == "pirate_sm"]
     assert len(ours) <= MOST_OF_A_CHECK
+
+
+def test_a_line_that_was_read_before_is_read_without_its_library(tmp_path: Path) -> None:
+    line, place = "pirate-run drive_on --no-record --json", {"PIRATE_SM_CACHE": str(tmp_path)}
+    first, read = imported(line, **place)
+    again, kept = imported(line, **place)
+
+    assert again == first
+    assert read - kept >= {"typer", "pirate_sm.checking.mission.check_mission"}
+    assert not kept & {"typer", "pirate_sm.checking.exploring.explore"}
+
+
+def test_a_line_that_may_reach_a_robot_is_always_read(tmp_path: Path) -> None:
+    for _ in range(2):
+        _, modules = imported(
+            "pirate-run drive_on --backend nonsense --no-record", 2, PIRATE_SM_CACHE=str(tmp_path)
+        )
+    assert "typer" in modules
 
 
 def test_a_command_imports_no_other_commands_options() -> None:

@@ -15,7 +15,6 @@ from typing import Any
 import pytest
 from checking.small_missions import MISSION
 
-from pirate_sm.cli import kept_reports
 from pirate_sm.cli.commands import check, fresh_check
 from pirate_sm.cli.options.checks import CheckOptions
 from pirate_sm.cli.output.terminal import Show
@@ -242,7 +241,7 @@ def test_a_terminal_is_coloured_and_nothing_else_is(
     check.run_check(options)
     assert "\x1b" not in "".join(capsys.readouterr())
 
-    monkeypatch.setattr(kept_reports, "shows_colour", lambda _: True)
+    monkeypatch.setattr(check, "shows_colour", lambda _: True)
     check.run_check(options)
     assert "\x1b[1;91merror\x1b[0m" in capsys.readouterr().out
 
