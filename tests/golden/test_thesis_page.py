@@ -83,6 +83,7 @@ def verdicts(rows: list[dict[str, Any]]) -> dict[tuple[str, str], str]:
     return {(each["of"], each["what"]): each["verdict"] for each in rows}
 
 
+@pytest.mark.thorough
 def test_what_takes_no_run_gives_its_stored_verdicts_again() -> None:
     result = ExperimentResult()
     for setup in SETUPS:

@@ -37,6 +37,7 @@ def tables(folder: Path) -> list[str]:
     return sorted(path.stem for path in (folder / "parquet").iterdir())
 
 
+@pytest.mark.thorough
 def test_the_tables_are_those_of_csv(folder: Path) -> None:
     assert {"signals", "commands", "states", "environment", "log", "waits"} <= set(tables(folder))
     for name in tables(folder):

@@ -75,7 +75,7 @@ def last_line(mission: str, **order) -> str:
     return out.getvalue().splitlines()[-1]
 
 
-@pytest.mark.parametrize("backend", ["sim", "bay"])
+@pytest.mark.parametrize("backend", ["sim", pytest.param("bay", marks=pytest.mark.thorough)])
 def test_a_robot_that_is_silent_at_the_end_confirms_nothing(backend: str) -> None:
     """Its clamps were confirmed while it reported."""
     said = last_line("climb", backend=backend, defects=("bay_silent",))

@@ -36,7 +36,7 @@ RUNS = {
 }
 
 
-@pytest.fixture(scope="module", params=thorough_but({"sim", "another robot"}, RUNS))
+@pytest.fixture(scope="module", params=thorough_but({"another robot"}, RUNS))
 def runs(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> dict[str, Recording]:
