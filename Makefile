@@ -30,7 +30,7 @@ help:
 	@echo "make test-built  the simulator's machine code, and the package as it is installed"
 	@echo "make test-wheel  the wheel in dist/ in an empty environment: a mission, its report, a scene"
 	@echo "make test-pty the conformance suite, the firmware, the guide to a real robot and ten tasks at the console in real time, over pseudo-terminals"
-	@echo "make bench   speed and memory, side by side"
+	@echo "make bench   what people wait for, beside its goals and an earlier commit"
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
 	@echo "make campaigns  what campaigns cost: two workers beside one, the client, memory; and one that is disturbed beside one left alone"
 	@echo "make space   how often each fitting of a round pipe is passed, by 100 seeds each"
@@ -139,8 +139,6 @@ schemas: $(VENV)/.ready-dev
 
 bench: $(VENV)/.ready-bench
 	$(BIN)/python -m benchmarks.bench
-	$(BIN)/python -m benchmarks.check --again 5
-	$(BIN)/python -m benchmarks.growth
 
 seeds: $(VENV)/.ready-campaign
 	$(BIN)/pirate campaign campaigns/bend.yaml --resume
@@ -246,7 +244,7 @@ $(VENV)/.ready-learning: EXTRAS := dev,jit,gym
 $(VENV)/.ready-browser: EXTRAS := browser,dev,jit
 $(VENV)/.ready-docs: EXTRAS := docs,jit,gym
 $(VENV)/.ready-pictures: EXTRAS := browser,jit,vision
-$(VENV)/.ready-bench: EXTRAS := bench,jit,campaign
+$(VENV)/.ready-bench: EXTRAS := bench,jit,campaign,gym
 $(VENV)/.ready-vision: EXTRAS := jit,vision
 $(VENV)/.ready-soak: EXTRAS := jit,serial
 $(VENV)/.ready-mutants: EXTRAS := mutants,dev,docs,jit,campaign,sensitivity,physics,serial,live,vision,lsp

@@ -1,212 +1,251 @@
-"""Speed and memory, side by side in one run.
+"""What people wait for: each figure beside its goal, and beside that of an earlier commit.
 
-    python -m benchmarks.bench [simulator] [recording] [console] [processes] [--repeats 5]
+    python -m benchmarks.bench [WORK ...] [--small] [--page docs/measurements.md]
 
-Chart commands: the same random commands through python-statemachine, through sismic where it is
-installed, and through the compiled table; each answers whether the command moves the chart, and
-why not. Simulator: the whole bend mission in one process, interpreter in the loop. Processes:
-the installed command from start to end; *first* with empty caches, as after an installation, which
-has compiled Python's modules; it is said whether the machine code of the simulator was built with
-the package. Recording: see :mod:`benchmarks.recording`.
+Each work of `benchmarks.speeds` is a process of its own, in this tree and in that of the commit
+before the speeds were worked on, in turn and several times where it is short; the best counts.
+Times are of the processor (user and system, of all processes of a command) unless the row says
+wall, so that other programs disturb them less. The goals were set on another machine together with
+what was measured there, so that what judges is how many times as good a figure is as before. A
+figure that is a ratio by itself is judged as it is. What falls short of its goal is marked.
+
+The earlier tree, with its machine code, is made of the history and kept in `build/before`; without
+a history nothing is compared. With ``--small`` nothing is either, and the works are as small as
+tests need them. With ``--page`` the table is written into a page too, between its marks.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
-import random
+import platform
+import shutil
+import subprocess
 import sys
-import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from datetime import UTC, datetime
+from io import BytesIO
+from itertools import chain
 from pathlib import Path
-from statistics import median
+from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Any
+from typing import NamedTuple
+from zipfile import ZipFile
 
-from benchmarks.campaign import run
-from benchmarks.console import measure_console
-from benchmarks.recording import measure_commands, measure_recording, measure_short
-from benchmarks.used import used_by
-from pirate_sm.core import library
-from pirate_sm.core.loading import LoadedRobot, load_robot
-from pirate_sm.core.robot import ChartTable
-from pirate_sm.running.wiring import Order
-from pirate_sm.simulation.machine_code.built_library import PACKAGE, find_library
+from benchmarks.growth import ROWS
+from benchmarks.speeds import WORKS
+from pirate_sm.simulation.machine_code.built_library import find_library
 
-BEND, IN_SPACE = "mitre_bend", ("take_elbow", "take_branch", "house_connection")
-COMMANDS = 20_000
-SEED = 7
-REPEATS = 5
-ALL = "all"
+ROOT = Path(__file__).resolve().parents[1]
+BEFORE = "42c6ed7f09a0a96eeeb98b8e3cfa4f0bbda14526"
+"""The commit before pipes were linear and results of the check were kept."""
+
+ALONE = {"growth"}
+"""Works of which the earlier tree would take minutes, and whose figures are ratios."""
+
+LONG_S, REPEATS = 10.0, 3
+"""A work is repeated so many times, until both trees together have taken so long."""
+
+BEGINS, ENDS = "<!-- speed: written by `python -m benchmarks.bench --page` -->\n", "<!-- end -->"
+HEAD = "| | now | before | times as good | goal | |\n|---|---|---|---|---|---|"
+
+
+class Figure(NamedTuple):
+    """What is printed of a figure, and by what it is judged.
+
+    Attributes:
+        what: What was measured.
+        form: How it is written.
+        goal: None: there is none.
+        was: What was measured where the goal was set; None: the figure is judged as it is.
+        more: Whether more is better.
+    """
+
+    what: str
+    form: str = "{:.2f} s"
+    goal: float | None = None
+    was: float | None = None
+    more: bool = False
+
+    def times(self, now: float, before: float) -> float:
+        """How many times as good it is as before."""
+        return now / before if self.more else before / now
+
+    def is_short(self, now: float, before: float | None) -> bool:
+        """Whether it falls short of its goal; without a goal or what it is compared with never."""
+        if self.goal is None:
+            return False
+        if self.was is None:
+            return now < self.goal if self.more else now > self.goal
+        return before is not None and self.times(now, before) < self.times(self.goal, self.was)
+
+    def line(self, now: float, before: float | None) -> str:
+        """The line of the table."""
+        times, goal, mark = "–", "–", "**short**" if self.is_short(now, before) else ""
+        if before is not None:
+            times = f"{self.times(now, before):.2f} ×"
+        if self.goal is not None:
+            goal = f"{'≥' if self.more else '≤'} {self.form.format(self.goal)}"
+            if self.was is not None:
+                goal += f" of {self.form.format(self.was)}: {self.times(self.goal, self.was):.1f} ×"
+        was = "–" if before is None else self.form.format(before)
+        return f"| {self.what} | {self.form.format(now)} | {was} | {times} | {goal} | {mark} |"
+
+
+RATE, SHARE, TIMES, MORE = "{:,.0f}", "{:.3f}", "{:.2f} ×", "{:+.0f} %"
+
+FIGURES: Mapping[str, Sequence[Figure]] = {
+    "check": (
+        Figure("`pirate check`, all files, nothing kept: wall", goal=5, was=12),
+        Figure("… nothing changed", goal=0.5, was=12),
+    ),
+    "mission": (
+        Figure("`pirate check mitre_bend.yaml`, nothing changed", goal=0.25, was=0.68),
+        Figure("… a comment changed", goal=0.5, was=0.68),
+    ),
+    "explored": (Figure("explored steps a second", RATE, more=True),),
+    "process": (
+        Figure("`pirate-run mitre_bend`, a later process", goal=0.45, was=0.765),
+        Figure("… its most memory", "{:.0f} MB"),
+        Figure("`pirate-run --help`", "{:.3f} s"),
+    ),
+    "interpreted": (
+        Figure("a bend in times real time, by events of python-statemachine a second", SHARE,
+               goal=0.2, more=True),
+        Figure("… these events", RATE, more=True),
+        Figure("… the bend", RATE + " ×", more=True),
+        Figure("… `take_elbow`, in a round pipe", RATE + " ×", more=True),
+    ),
+    "loop": (Figure("`pirate_sm.run(loaded, seed=k)`, again", "{:.3f} s", goal=0.06, was=0.117),),
+    "odometry": (
+        Figure("a bend by odometry: gain by glides", TIMES, more=True),
+        Figure("… in parts of the gain by `sim`", TIMES, goal=0.95, more=True),
+    ),
+    "recorded": (Figure("what a recording adds to a bend", MORE, goal=15),),
+    "pipe": (
+        Figure("a pipe of 1,000 segments: to load a mission in it", goal=0.2, was=2.2),
+        Figure("… its findings", goal=0.2, was=15.2),
+    ),
+    "learnt": (
+        Figure("learning, steps a second of one process", RATE, goal=1_000, was=280, more=True),
+    ),
+    "campaign": (
+        Figure("campaign of 600 bends, one worker: a second, wall", "{:.1f}", goal=30, was=17,
+               more=True),
+        Figure("… two workers to one: wall", TIMES, goal=1.85, more=True),
+    ),
+    "growth": tuple(
+        Figure(f"exponent of growth: {row.what}", "{:.2f}", goal=row.bar) for row in ROWS.values()
+    ),
+}  # fmt: skip
+"""Of each work, in the order in which it returns them."""
 
 
 def main() -> int:
-    """Everything, or the parts that are named, is measured and printed."""
-    works: dict[str, Callable[[int], None]] = {
-        "simulator": _simulator,
-        "recording": _recording,
-        "console": lambda _: measure_console(),
-        "processes": _processes,
-    }
+    """Print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("parts", nargs="*", choices=(*works, ALL), default=ALL)
-    parser.add_argument("--repeats", type=int, default=REPEATS)
+    parser.add_argument("works", nargs="*", choices=(*WORKS, "all"), default="all")
+    parser.add_argument("--small", action="store_true", help="as small as tests need it")
+    parser.add_argument("--page", type=Path, help="a page whose table is written anew")
     wishes = parser.parse_args()
-    for name in works if ALL in wishes.parts else wishes.parts:
-        works[name](wishes.repeats)
+    names = [name for name in WORKS if name in wishes.works or "all" in wishes.works]
+    earlier = None if wishes.small else earlier_tree(ROOT)
+    if wishes.page:
+        written(wishes.page.read_text("utf-8"), ())  # it has its marks
+    lines = []
+    for line in chain((caption(earlier), "", HEAD), table(names, earlier, wishes.small)):
+        print(line, flush=True)
+        lines.append(line)
+    if wishes.page:
+        text = wishes.page.read_text("utf-8")
+        wishes.page.write_text(written(text, lines), encoding="utf-8")
     return 0
 
 
-def _charts(loaded: LoadedRobot, repeats: int) -> float:
-    """Print the rates; return that of python-statemachine, in events per second."""
-    table = loaded.table
-    names = random.Random(SEED).choices(table.commands, k=COMMANDS)
-    contenders: dict[str, Callable[[list[str]], int]] = {
-        "python-statemachine": lambda some: _library(loaded, some),
-        "compiled table": lambda some: _table(table, some),
-    }
+def caption(earlier: Path | None) -> str:
+    """Say where and when this is measured, and with what it is compared."""
+    load, why_not = os.getloadavg()[0], find_library().why_not
+    said = [
+        f"{datetime.now(UTC):%Y-%m-%d}",
+        f"{os.cpu_count()} cores ({platform.machine()}), load {load:.1f} at the start",
+        f"Python {platform.python_version()}",
+        f"before: {BEFORE[:8]}" if earlier else "compared with nothing",
+        *([f"machine code of the simulator not built, {why_not}"] if why_not else ()),
+    ]
+    return "; ".join(said) + "."
+
+
+def table(names: Iterable[str], earlier: Path | None, small: bool) -> Iterator[str]:
+    """Yield the lines of these works, each as soon as it has been measured."""
+    for name in names:
+        trees = [ROOT, *([earlier] if earlier and name not in ALONE else ())]
+        found: dict[Path, list[Sequence[float]]] = {tree: [] for tree in trees}
+        began_s = perf_counter()
+        for _ in range(1 if small else REPEATS):
+            for tree in tuple(found):
+                try:
+                    found[tree].append(measured(tree, name, small))
+                except subprocess.CalledProcessError:
+                    if tree == ROOT:
+                        raise
+                    del found[tree]  # what the works use has changed since
+            if perf_counter() - began_s > LONG_S:
+                break
+        for index, figure in enumerate(FIGURES[name]):
+            best = max if figure.more else min
+            now, *before = (best(some[index] for some in each) for each in found.values())
+            yield figure.line(now, before[0] if before else None)
+
+
+def measured(tree: Path, name: str, small: bool) -> list[float]:
+    """Return the figures of a work in a tree, with nothing kept from before."""
+    with TemporaryDirectory() as cache:
+        around = {
+            **os.environ,
+            **dict.fromkeys(("XDG_CACHE_HOME", "PIRATE_SM_CACHE", "NUMBA_CACHE_DIR"), cache),
+            "PIRATE_SM_RUNS": "",
+            "PYTHONPATH": str(tree),
+            "PYTHONDONTWRITEBYTECODE": "",
+        }
+        code = f"from benchmarks.speeds import WORKS; print(*WORKS[{name!r}]({small}))"
+        told = subprocess.run(
+            [sys.executable, "-c", code], cwd=tree, env=around, stdout=subprocess.PIPE, check=True
+        ).stdout
+    return [float(each) for each in told.splitlines()[-1].split()]
+
+
+def earlier_tree(root: Path) -> Path | None:
+    """Return the tree of the commit before, with its machine code; None if no history has it."""
+    tree = root / "build" / "before" / BEFORE[:8]
+    if tree.exists():
+        return tree
+    archive = ["git", "-C", str(root), "archive", "--format=zip", BEFORE]
     try:
-        import sismic  # noqa: F401
-    except ModuleNotFoundError:
-        print("sismic is not installed (make bench installs it)")
-    else:
-        contenders["sismic"] = lambda some: _sismic(loaded, some)
-    print("chart commands, with the reason of a refusal")
-    rates: dict[str, float] = {}
-    moved: set[int] = set()
-    for name, contender in contenders.items():
-        count = COMMANDS if name == "compiled table" else COMMANDS // 10
-        rates[name] = max(_rate(contender, names[:count]) for _ in range(repeats))
-        moved.add(contender(names[: COMMANDS // 10]))
-    assert len(moved) == 1, f"the contenders disagree: {moved}"
-    base = rates["python-statemachine"]
-    for name, rate in rates.items():
-        print(f"    {name:22} {rate:12,.0f} /s   {rate / base:8.1f} ×")
-    return base
+        packed = subprocess.run(archive, check=True, capture_output=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        print(f"Nothing is compared: the commit {BEFORE[:8]} is in no history here.")
+        return None
+    part = tree.with_suffix(".part")
+    shutil.rmtree(part, ignore_errors=True)
+    with ZipFile(BytesIO(packed)) as files:
+        files.extractall(part)
+    shutil.rmtree(part / "benchmarks")
+    (part / "benchmarks").symlink_to(root / "benchmarks")
+    around = {**os.environ, "PYTHONPATH": str(part)}
+    build = [sys.executable, "-m", "pirate_sm.simulation.machine_code.builder"]
+    subprocess.run(build, cwd=part, env=around, check=True, stdout=subprocess.DEVNULL)
+    return part.rename(tree)
 
 
-def _rate(contender: Callable[[list[str]], int], names: list[str]) -> float:
-    began = perf_counter()
-    contender(names)
-    return len(names) / (perf_counter() - began)
-
-
-def _table(table: ChartTable, names: list[str]) -> int:
-    here, moved, index = table.initial, 0, table.command_index
-    for name in names:
-        command = index[name]
-        there = table.follow(here, command)
-        if there == here:
-            table.why_not(here, command)
-        else:
-            moved += 1
-            here = there
-    return moved
-
-
-def _library(loaded: LoadedRobot, names: list[str]) -> int:
-    from statemachine.io import load
-
-    text = loaded.documents[1].text
-    machine = load(text, format="yaml")()
-    moved = 0
-    before = frozenset(machine.configuration_values)
-    for name in names:
-        machine.send(name)
-        after = frozenset(machine.configuration_values)
-        moved += after != before
-        before = after
-    return moved
-
-
-def _sismic(loaded: LoadedRobot, names: list[str]) -> int:
-    from sismic.interpreter import Interpreter
-    from sismic.io.datadict import import_from_dict
-
-    interpreter = Interpreter(import_from_dict(_as_sismic(loaded.documents[1].data)))
-    interpreter.execute()
-    moved = 0
-    for name in names:
-        interpreter.queue(name)
-        steps = interpreter.execute()
-        moved += any(step.exited_states for step in steps)
-    return moved
-
-
-def _as_sismic(chart: Mapping[str, Any]) -> dict[str, Any]:
-    """The same chart in sismic's own format."""
-    ((top, body),) = chart["states"].items()
-    regions = []
-    for region, inside in body["states"].items():
-        states = []
-        for state, content in inside["states"].items():
-            transitions = [
-                {
-                    "event": each["event"],
-                    "target": each["target"],
-                    **({"guard": each["cond"].replace("In(", "active(")} if "cond" in each else {}),
-                }
-                for each in content.get("transitions", ())
-            ]
-            states.append({"name": state, "transitions": transitions})
-        initial = next(s for s, c in inside["states"].items() if c.get("initial"))
-        regions.append({"name": region, "initial": initial, "states": states})
-    root = {"name": top, "parallel states": regions}
-    return {"statechart": {"name": "robot", "root state": root}}
-
-
-def _simulator(repeats: int) -> None:
-    events_per_s = _charts(load_robot(library.find_robot("pirate_ii")), repeats)
-    factors: dict[str, list[float]] = {mission: [] for mission in (BEND, *IN_SPACE)}
-    for mission in factors:
-        run(Order(mission))
-    for _ in range(repeats):  # in turn, so that other work on the machine falls on all alike
-        for mission, found in factors.items():
-            outcome = run(Order(mission))
-            found.append(outcome.time_s / outcome.took_s)
-    bend = median(factors[BEND])
-    spread = f"least {min(factors[BEND]):,.0f}, most {max(factors[BEND]):,.0f}"
-    spread += f", of {repeats} bend missions"
-    print(f"simulator, interpreter in the loop: {bend:,.0f} × real time ({spread})")
-    share = bend / events_per_s
-    print(f"    per event that python-statemachine does in a second: {share:.3f}")
-    for mission in IN_SPACE:
-        rate = median(factors[mission])
-        print(f"    in round pipes, {mission}: {rate:,.0f} × real time, {rate / bend:.2f} of that")
-
-
-def _recording(repeats: int) -> None:
-    print("recording")
-    measure_recording(repeats)
-    measure_short()
-    measure_commands(repeats)
-
-
-def _processes(repeats: int) -> None:
-    command = [str(Path(sys.executable).with_name("pirate-run"))]
-    mission = [*command, "mitre_bend", "--speed", "max", "--quiet"]
-    with tempfile.TemporaryDirectory() as empty:
-        caches = {"NUMBA_CACHE_DIR": empty, "XDG_CACHE_HOME": empty}
-        cold = {**os.environ, **caches, "PIRATE_SM_RUNS": ""}
-        used_by(sys.executable, "-m", "compileall", "-q", PACKAGE)
-        first = used_by(*mission, environment=cold).wall_s
-        second = [used_by(*mission, environment=cold) for _ in range(repeats)]
-        keeping = {**cold, "PIRATE_SM_RUNS": empty}
-        third = [used_by(*mission, environment=keeping) for _ in range(repeats)]
-    why_not = find_library().why_not
-    print(f"machine code of the simulator: {f'not built, {why_not}' if why_not else 'built'}")
-    print(f"bend mission, first process: {first:5.2f} s")
-    later_s, recorded_s = (median(each.wall_s for each in some) for some in (second, third))
-    print(f"bend mission, later process: {later_s:5.2f} s (median of {repeats})")
-    print(f"the same, recorded:         {recorded_s:6.2f} s")
-    helps = [used_by(*command, "--help").wall_s for _ in range(2 * repeats)]
-    alone = [used_by(sys.executable, "-c", "").wall_s for _ in range(2 * repeats)]
-    print(f"pirate-run --help:          {median(helps) * 1000:6.0f} ms (median of {len(helps)})")
-    print(f"... Python alone:           {median(alone) * 1000:6.0f} ms")
-    peak_bytes = max(each.memory_bytes for each in (*second, *third))
-    print(f"peak memory of a mission:   {peak_bytes / 2**20:6.0f} MB (recorded or not)")
+def written(page: str, lines: Iterable[str]) -> str:
+    """Return the page with these lines between its marks."""
+    before, begins, rest = page.partition(BEGINS)
+    _, ends, after = rest.partition(ENDS)
+    if not begins or not ends:
+        raise ValueError(f"the page has no {BEGINS.strip()} with an {ENDS}")
+    return f"{before}{begins}" + "".join(f"{line}\n" for line in lines) + f"{ends}{after}"
 
 
 if __name__ == "__main__":

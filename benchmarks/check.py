@@ -1,7 +1,6 @@
-"""How fast missions are explored, and how long the command takes with kept results.
+"""How fast missions are explored and checked.
 
     python -m benchmarks.check [--runs 5] [--mission NAME] [--phases 300 1000 3000] [--held 2 6 12]
-    python -m benchmarks.check --mission mitre_bend --phases --held --again 5
 
 Times are of the processor, the best of several runs, so that other programs disturb them less.
 """
@@ -9,9 +8,6 @@ Times are of the processor, the best of several runs, so that other programs dis
 from __future__ import annotations
 
 import argparse
-import os
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
@@ -41,9 +37,11 @@ def best_s(work: Callable[[], object], runs: int) -> float:
     return min(times)
 
 
-def steps_of(loaded: LoadedMission) -> int:
-    """Steps of one exploration."""
-    return len(explore(loaded.robot, loaded.program, conditions_of(loaded)).steps)
+def exploring(loaded: LoadedMission, runs: int) -> tuple[int, float]:
+    """Steps of one exploration, and how long it takes."""
+    robot, program = loaded.robot, loaded.program
+    steps = len(explore(robot, program, conditions_of(loaded)).steps)
+    return steps, best_s(lambda: explore(robot, program, conditions_of(loaded)), runs)
 
 
 def long_mission(phases: int) -> str:
@@ -76,10 +74,7 @@ def shipped(names: Collection[str], runs: int) -> None:
     print(f"{'mission':24}{'steps':>8}{'steps/s':>10}{'check':>10}")
     for path in (each for each in library.missions() if each.stem in names):
         loaded = load_mission(path)
-        number = steps_of(loaded)
-        exploring_s = best_s(
-            lambda: explore(loaded.robot, loaded.program, conditions_of(loaded)), runs  # noqa: B023
-        )  # fmt: skip
+        number, exploring_s = exploring(loaded, runs)
         checking_s = best_s(lambda: check_loaded(loaded), runs)  # noqa: B023
         print(f"{path.stem:24}{number:8}{number / exploring_s:10.0f}{1e3 * checking_s:7.1f} ms")
 
@@ -92,49 +87,9 @@ def growing(folder: Path, phases: Sequence[int], held: Sequence[int]) -> None:
     for name, text in made:
         (folder / "m.yaml").write_text(text, encoding="utf-8")
         loaded = load_mission(folder / "m.yaml")
-        number = steps_of(loaded)
-        exploring_s = best_s(
-            lambda: explore(loaded.robot, loaded.program, conditions_of(loaded)), 1  # noqa: B023
-        )  # fmt: skip
+        number, exploring_s = exploring(loaded, 1)
         checking_s = best_s(lambda: check_loaded(loaded), 1)  # noqa: B023
         print(f"{name:24}{number:8}{number / exploring_s:10.0f}{1e3 * checking_s:7.0f} ms")
-
-
-def commands(folder: Path, again: int) -> None:
-    """Processor times of `pirate check`: without kept results, keeping them, and using them again.
-
-    The last is that of the mission and of all shipped files while nothing has changed; before it
-    comes Python's own start.
-    """
-    begin = "from pirate_sm.cli.start import main; main()"
-    project, mission = ["check"], ["check", "sequences/mitre_bend.yaml"]
-    rows = [
-        ("python", ["-c", "pass"], again),
-        *((name, ["-c", begin, *words, "--no-cache"], 1) for name, words in
-          (("mission, no kept results", mission), ("project, no kept results", project))),
-        *((name, ["-c", begin, *words], 1) for name, words in
-          (("mission, kept", mission), ("project, kept", project))),
-        *((name, ["-c", begin, *words], again) for name, words in
-          (("mission, again", mission), ("project, again", project))),
-    ]  # fmt: skip
-    print(f"\n{'command':40}{'processor':>10}{'wall':>10}")
-    for name, words, runs in rows:
-        spent = [_spent(words, folder) for _ in range(runs)]
-        processor_s, wall_s = map(min, zip(*spent, strict=True))
-        print(f"{name:40}{processor_s:8.2f} s{wall_s:8.2f} s")
-
-
-def _spent(words: Sequence[str], folder: Path) -> tuple[float, float]:
-    """Processor time and wall time of a process."""
-    root = Path(__file__).resolve().parents[1]
-    own = {**os.environ, "PIRATE_SM_CACHE": str(folder), "PYTHONPATH": str(root)}
-    before, begin = os.times(), time.monotonic()
-    subprocess.run(
-        [sys.executable, *words], cwd=root, env=own, stdout=subprocess.DEVNULL, check=True
-    )
-    after = os.times()
-    user_s = after.children_user - before.children_user
-    return user_s + after.children_system - before.children_system, time.monotonic() - begin
 
 
 def main() -> None:
@@ -147,13 +102,10 @@ def main() -> None:
     parser.add_argument("--mission", action="append", choices=names, help="all by default")
     parser.add_argument("--phases", type=int, nargs="*", default=PHASES, help="of long missions")
     parser.add_argument("--held", type=int, nargs="*", default=HELD, help="conditions to hold")
-    parser.add_argument("--again", type=int, default=0, help="of the command with kept results")
     wishes = parser.parse_args()
     shipped(wishes.mission or names, wishes.runs)
     with TemporaryDirectory() as folder:
         growing(Path(folder), wishes.phases, wishes.held)
-        if wishes.again:
-            commands(Path(folder), wishes.again)
 
 
 if __name__ == "__main__":

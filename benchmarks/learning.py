@@ -103,7 +103,7 @@ def _rates(count: int, repeats: int) -> None:
     for _ in range(repeats):
         dice, steps, began_s = Dice(count), 0, perf_counter()
         for index in range(count):
-            steps += _alone(single, index, dice)
+            steps += play_alone(single, index, dice)
         alone.append(steps / (perf_counter() - began_s))
         dice, taken, began_s = Dice(count), 0, perf_counter()
         vector.reset(seed=0)
@@ -123,7 +123,7 @@ def _rates(count: int, repeats: int) -> None:
     )
 
 
-def _alone(environment: Any, index: int, dice: Dice) -> int:
+def play_alone(environment: Any, index: int, dice: Dice) -> int:
     """Take the steps of one environment of the vector; return how many."""
     _, info = environment.reset(seed=index)
     taken, over = 0, False

@@ -22,7 +22,7 @@ import argparse
 import resource
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -48,6 +48,9 @@ OVER = 1
 
 PACED = 1e6
 """A speed at which nothing waits, but at which messages for viewers are recorded."""
+
+KINDS = {"without": (False, inf), "with": (True, inf), "for viewers": (True, PACED)}
+"""Whether a short mission is recorded, and at what speed it runs."""
 
 TEN_MINUTES_S = 600.0
 
@@ -124,29 +127,29 @@ def measure_recording(
 
 def measure_short(bends: int = BENDS) -> None:
     """What a recording adds to a short mission is printed."""
-    kinds: dict[str, tuple[bool, float]] = {
-        "without": (False, inf),
-        "with": (True, inf),
-        "for viewers": (True, PACED),
-    }
-    spent: dict[str, list[float]] = {kind: [] for kind in kinds}
-    sizes: dict[str, int] = {}
+    spent = short_runs(KINDS, bends)
+    users_s = {kind: [cost.user_s for cost in costs] for kind, costs in spent.items()}
+    print(f"    {BEND}, as fast as it goes, user's processor time, {bends} runs of each in turn")
+    base = median(users_s["without"])
+    print(f"        without a recording {base * 1e3:.1f} ms")
+    for kind in ("with", "for viewers"):
+        pairs = zip(users_s[kind], users_s["without"], strict=True)
+        added = median(one / other - 1 for one, other in pairs)
+        at = f"{median(users_s[kind]) * 1e3:.1f} ms"
+        print(f"        {kind:17} {at}, {added:+.0%}; {spent[kind][-1].size / 1e3:.0f} kB")
+
+
+def short_runs(kinds: Mapping[str, tuple[bool, float]], runs: int) -> dict[str, list[Cost]]:
+    """Return what a short mission takes each time it is run in each of these ways."""
+    spent: dict[str, list[Cost]] = {kind: [] for kind in kinds}
     with tempfile.TemporaryDirectory() as name:
-        for number in range(bends + 1):
+        for number in range(runs + 1):
             for kind, (kept, factor) in kinds.items():  # in turn: see above
                 path = Path(name) / f"{kind}_{number}.mcap" if kept else None
                 cost = run_once(path, factor, inf, BEND)
-                sizes[kind] = cost.size
                 if number:  # the first is slower
-                    spent[kind].append(cost.user_s)
-    print(f"    {BEND}, as fast as it goes, user's processor time, {bends} runs of each in turn")
-    base = median(spent["without"])
-    print(f"        without a recording {base * 1e3:.1f} ms")
-    for kind in ("with", "for viewers"):
-        pairs = zip(spent[kind], spent["without"], strict=True)
-        added = median(one / other - 1 for one, other in pairs)
-        at = f"{median(spent[kind]) * 1e3:.1f} ms"
-        print(f"        {kind:17} {at}, {added:+.0%}; {sizes[kind] / 1e3:.0f} kB")
+                    spent[kind].append(cost)
+    return spent
 
 
 def measure_commands(repeats: int = REPEATS) -> None:
