@@ -31,6 +31,8 @@ _COARSEST_S: Final = 2.0
 _BEGAN_S: Final = time()
 _PACKAGE: Final = Path(__file__).parents[1]
 _DISTRIBUTIONS: Final = (".dist-info", ".egg-info", ".egg-link", ".pth")
+_MOST_IN_MEMORY: Final = 1000
+"""More entries are not kept in memory: an editor's text gives another one at each key. [decided]"""
 _VARIABLES: Final = {"HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"}
 
 
@@ -75,8 +77,10 @@ class KeptInMemory(dict[str, Any]):
         return self.get(key)
 
     def write(self, new: Mapping[str, Any]) -> None:
-        """Write entries."""
+        """Write entries; the first that were written make room."""
         self.update(new)
+        for key in [*self][:-_MOST_IN_MEMORY]:
+            del self[key]
 
     def used(self) -> AbstractContextManager[None]:
         """Return a context in which results are kept here and used again."""

@@ -10,10 +10,11 @@ import os
 import re
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
 from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.process import BaseProcess
 from threading import Thread
 from typing import Any, Final, TypeAlias
 
@@ -47,24 +48,51 @@ def shared_out(targets: Sequence[CheckTarget], make: Make) -> Iterator[Make]:
     if count < 2:
         yield make
         return
-    pool = ProcessPoolExecutor(count, get_context("fork"), initializer=_begin, initargs=(make,))
+    pool: ProcessPoolExecutor | None = None
+    making: dict[CheckTarget, tuple[Future[list[_Made]], int]] = {}
     try:
-        making: dict[CheckTarget, tuple[Future[list[_Made]], int]] = {}
-        for group in groups:
-            future = pool.submit(_make_all, group)
-            making |= {target: (future, number) for number, target in enumerate(group)}
+        try:
+            with _uninterrupted():
+                copies = get_context("fork")
+                pool = ProcessPoolExecutor(count, copies, initializer=_begin, initargs=(make,))
+                for group in groups:
+                    future = pool.submit(_make_all, group)
+                    making |= {target: (future, number) for number, target in enumerate(group)}
+        except (OSError, RuntimeError, NotImplementedError):  # the system refuses processes
+            pool, making = None, {}  # its thread may not have begun, and cannot be waited for
+            _end_new(before)
         yield lambda target: _made(making.get(target), target, make)
     except BaseException:
-        for each in {*active_children()} - {*before}:
-            each.terminate()
+        _end_new(before)
         raise
     finally:
-        pool.shutdown(cancel_futures=True)
+        if pool is not None:
+            pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Return a context that Ctrl-C waits for: in one of Python's hooks of a fork it is lost."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _end_new(before: Collection[BaseProcess]) -> None:
+    for each in active_children():
+        if each not in before:
+            each.terminate()
 
 
 def _can_copy() -> bool:
     """Return whether this process has a single thread, also none that Python knows nothing of."""
-    return sys.platform == "linux" and len(os.listdir("/proc/self/task")) == 1  # noqa: PTH208
+    if sys.platform != "linux":
+        return False
+    with suppress(OSError):  # some containers have no /proc
+        return len(os.listdir("/proc/self/task")) == 1  # noqa: PTH208
+    return False
 
 
 def _groups(targets: Sequence[CheckTarget]) -> list[list[CheckTarget]]:
@@ -95,7 +123,10 @@ def _begin(make: Make) -> None:
     global _make  # noqa: PLW0603 - a process has one
     _make = make
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    Thread(target=_end_with_the_command, daemon=True).start()
+    try:
+        Thread(target=_end_with_the_command, daemon=True).start()
+    except RuntimeError:  # the system refuses threads; nothing else would end this process
+        os._exit(1)
 
 
 def _end_with_the_command() -> None:

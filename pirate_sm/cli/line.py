@@ -114,9 +114,11 @@ def _read(known: Any) -> tuple[dict[str, Any], list[str]]:
 def keep(name: str, given: Mapping[str, Any], named: Collection[str]) -> None:
     """Keep the values of this process's command line, and which of them it gives.
 
-    A line that may reach a robot is always read.
+    A line that names a backend which may reach a robot is always read, and one with a value that
+    JSON does not give back, such as a path.
     """
-    if words[:1] == (name,) and given.get("backend", "sim") in SIMULATED:
+    plain = all(isinstance(each, str | int | float | list | None) for each in given.values())
+    if plain and words[:1] == (name,) and given.get("backend", "sim") in SIMULATED:
         kept("line", words, lambda: [given, named], _read)
 
 
@@ -175,6 +177,10 @@ def enter(run: Callable[[], None]) -> None:
             run()
         finally:
             sys.stdout.flush()
+    except KeyboardInterrupt:  # another one, while the first was reported
+        from pirate_sm.core.errors import ExitCode
+
+        raise SystemExit(ExitCode.INTERRUPTED) from None
     except OSError as error:
         from pirate_sm.cli.errors import output_lost
 

@@ -120,6 +120,54 @@ def test_what_a_process_has_asked_of_the_disk_is_asked_again(
     assert found == checked(1, "")[0] != first
 
 
+@needs_processors
+@pytest.mark.parametrize(
+    "refused",
+    [
+        "import os; os.fork = lambda: open('/nowhere')",
+        "import multiprocessing.synchronize as s; s.SemLock.__init__ = lambda *_, **k: open('/no')",
+        "import threading; threading.Thread.start = lambda _: (_ for _ in ()).throw(RuntimeError)",
+        "import os; os.listdir = lambda _: open('/nowhere')",
+    ],
+    ids=["process", "semaphore", "thread", "task"],
+)
+def test_where_the_system_refuses_processes_the_command_checks_alone(
+    refused: str, here: Path, checked: Callable[..., tuple[str, set[str]]]
+) -> None:
+    report, _ = checked(1, "")
+
+    ran = subprocess.run(
+        [sys.executable, "-c", f"{refused}\n{CODE}", "2", "--format", "json", "sequences"],
+        capture_output=True,
+        check=False,
+        text=True,
+        cwd=here,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "PIRATE_SM_CACHE": ""},
+    )
+
+    assert ran.stdout == report
+    assert {*ran.stderr.split()} >= {f"m{n}.yaml" for n in range(FEWEST)}
+    assert "Traceback" not in ran.stderr
+
+
+@needs_processors
+def test_ctrl_c_while_processes_begin_ends_the_command(here: Path) -> None:
+    code = f"import os; os.register_at_fork(before=lambda: os.kill(os.getpid(), 2))\n{CODE}"
+
+    ran = subprocess.run(
+        [sys.executable, "-c", code, "2", "sequences"],
+        capture_output=True,
+        check=False,
+        text=True,
+        cwd=here,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "PIRATE_SM_CACHE": ""},
+    )
+
+    assert ran.returncode == 130
+    assert ran.stderr.startswith("interrupted\n")
+    assert "Traceback" not in ran.stderr
+
+
 def test_a_campaign_is_checked_with_the_missions_that_it_names(tmp_path: Path) -> None:
     for name, text in (("c", "missions: [{mission: one}, {mission: ../two.yaml}]"), ("d", "two")):
         (tmp_path / f"{name}.yaml").write_text(text, "utf-8")
