@@ -279,7 +279,8 @@ class _Course:
         """Return what the sensors have shown about a mark until the end of the look."""
         robot, setpoints = self._robot, at_rest_in(self._robot, body.configuration).values
         state = states_of(robot, body)[mark.which] if mark.kind == "region" else ""
-        of_joints = tuple(setpoints[slot] for slot in slots_read(robot))
+        joints = (joint for part in robot.sight.parts if part for joint in part.joints)
+        of_joints = tuple(setpoints[joint.slot] for joint in joints)
         alike = mark, state, robot.held[body.configuration], of_joints
         if alike not in self._watched:
             it = Watched(mark)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import isnan, nan
+from types import SimpleNamespace
 
 import pytest
 from cut_off import GRIPPING, CutOff, verdict_of
@@ -13,15 +14,18 @@ from driving import (
     FRONT_CLAMPED,
     IDLE,
     REAR_CLAMPED,
+    changed_newt,
     command,
 )
 
 from pirate_sm.core._engine.resuming.hypotheses import hypotheses
-from pirate_sm.core._engine.resuming.reconciling import adoptable, reconcile, turning
-from pirate_sm.core._engine.robot.robot_state import DECLARED, DENIED, states_of
+from pirate_sm.core._engine.resuming.reconciling import _Course, adoptable, reconcile, turning
+from pirate_sm.core._engine.robot.declared_states import declared_in
+from pirate_sm.core._engine.robot.robot_state import DECLARED, DENIED, Mark, states_of
 from pirate_sm.core._engine.sensing.board_spec import DerivedSpec
 from pirate_sm.core._engine.unwatched import changed
-from pirate_sm.core._model.events import FaultReport
+from pirate_sm.core._model.events import FaultReport, SensorFrame
+from pirate_sm.core.loading import load_robot
 
 CONFIRMED, CONTRADICTED, UNKNOWN = "confirmed", "contradicted", "unknown"
 
@@ -161,6 +165,63 @@ def test_a_place_is_judged_among_many_as_it_is_alone(clamped):
 
     for place, table in list(zip(where, tables, strict=True))[::4]:
         assert reconcile(*look, found=(place,)).tables == (table,)
+
+
+ANOTHER_DUTY = [
+    ("Grip in (NoseHeld, BothHeld)", "Grip in (NoseHeld, NoseBack, BothHeld)"),
+    (", senses: angle, slot: fold_neck", ""),
+    ("    NoseHeld: {fold", "    NoseBack: {fold_neck: 50 %, fold_hip: 0 %}\n    NoseHeld: {fold"),
+    (
+        "  HoldNose:\n",
+        "  Back:\n    asks_for: Grip == NoseBack\n"
+        "    done: {kind: below, signals: [neck], limit: 6 deg, for: 0.2 s}\n"
+        "    timeout: 8 s\n    nominal: 2 s\n  HoldNose:\n",
+    ),
+    (
+        "      NoseHeld: {kind",
+        "      NoseBack: {kind: accepted, why: a worm locks it}\n      NoseHeld: {kind",
+    ),
+]
+BACK = """\
+              - {event: Back, target: Grip.NoseBack}
+          Grip.NoseBack:
+            transitions:
+              - {event: Home, target: Grip.Loose}
+          Grip.NoseHeld:
+"""
+
+
+def test_a_part_that_holds_by_another_duty_is_judged_for_itself(tmp_path):
+    """No signal reads the duty of a joint whose torque and angle have channels of their own."""
+    changed_newt(tmp_path, *ANOTHER_DUTY)
+    chart = tmp_path / "newt" / "chart.yaml"
+    text = chart.read_text("utf-8").replace("          Grip.NoseHeld:\n", BACK, 1)
+    chart.write_text(text, "utf-8")
+    robot = load_robot(tmp_path / "newt").oriented("normal")
+    shown = {"neck": -1.6, "neck_torque": -0.5, "hip": 1.2}  # what NoseHeld shows
+    frames = []
+    for at_s in (0.05 * turn for turn in range(40)):
+        for board in sorted(robot.boards.values(), key=lambda each: each.position):
+            values = [0.0] * board.length
+            for place, target, scale in board.channels:
+                values[place] = shown.get(robot.vocabulary.numbers[target], 0.0) / scale
+            frames.append((at_s, SensorFrame(board.id, tuple(values))))
+    program = SimpleNamespace(diameter_m=None)
+    mark = Mark("part", robot.parts.index("nose"), DECLARED)
+
+    def bodies(*grips):
+        for grip in grips:
+            there = robot.table.configurations.index((grip, "Resting", "Dark"))
+            yield declared_in(robot, there)
+
+    for grips in (("NoseHeld", "NoseBack"), ("NoseBack", "NoseHeld")):
+        first, second = bodies(*grips)
+        course = _Course(robot, program, first, frames, 2.0)
+        found = {
+            grip: course._judged(body, mark).is_confirmed(2.0)
+            for grip, body in zip(grips, (first, second), strict=True)
+        }
+        assert found == {"NoseHeld": True, "NoseBack": False}
 
 
 def test_a_wheel_turns_from_the_limit_on(clamped):
