@@ -168,6 +168,7 @@ class Conversation:
         known: Whether every wanted topic is known.
         frames: Frames received.
         words: The last lines of the firmware's log.
+        recent: Those of them since it last fell silent: another device may speak now.
         heard_s: When the last frame came that the device sent of its own accord.
         silence_s: How long nothing had come before that frame, while this program was awake. While
             the device is asked anew: before any frame since the silence began.
@@ -213,6 +214,7 @@ class Conversation:
         self.frames = 0
         self.strange = 0
         self.words: deque[LogLine] = deque(maxlen=_WORDS_KEPT)
+        self.recent: deque[LogLine] = deque(maxlen=_WORDS_KEPT)
         self.offered: dict[tuple[Direction, str], TopicInfo] = {}
 
     @property
@@ -245,6 +247,7 @@ class Conversation:
         if self.known and not self._again and silent:
             self._again = True
             self._fresh.clear()
+            self.recent.clear()
             self._ask_s = now
         if self.asking and now >= self._ask_s:
             self._ask_s = now + ASK_EVERY_S
@@ -313,6 +316,7 @@ class Conversation:
             line = read_log(payload)
             if line is not None:
                 self.words.append(line)
+                self.recent.append(line)
                 yield line
 
     def _meet(self, info: TopicInfo | None) -> Iterator[Heard]:

@@ -423,6 +423,8 @@ class Exchange:
                 self.link.unreadable(now)
 
     def _echo(self, array: Array, now: float) -> None:
+        if self.refused:
+            return  # another robot's controller confirms nothing of this one
         self.stopped.echoed(array.number, array.counts)
         if array.number != SAFE_WIRE_ID or array.counts != self._safe.counts:
             self.link.echoed(array.number, array.counts, now, array.hold)
@@ -455,12 +457,13 @@ class Exchange:
 
     def _compare_tables(self) -> None:
         """Refuse a firmware that only ever names tables of another robot; most name none."""
-        lines, ours = self.conversation.words, self._plan.tables
+        lines, ours = self.conversation.recent, self._plan.tables
         theirs = [tables for line in lines if (tables := said_tables(line.text))]
         if theirs and ours and ours not in theirs:
             self._refuse(
                 f"the firmware is that of {theirs[-1]}, the profile is that of {ours}: write the "
-                "tables by `pirate firmware`, then build and flash it"
+                "tables by `pirate firmware`, then build and flash it, or use the files that it was "
+                "flashed with. Flashing lets go of what the robot holds"
             )
 
     def _refuse(self, reason: str) -> None:

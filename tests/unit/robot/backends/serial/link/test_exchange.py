@@ -398,7 +398,17 @@ def test_a_plan_that_knows_no_tables_compares_none(plan: LinkPlan) -> None:
 
 
 def test_a_controller_that_was_exchanged_in_a_mission_ends_it(plan: LinkPlan) -> None:
-    talk = told(plan, f"firmware 1 of {THEIRS}", running=True)
+    """A line that survives the exchange, as that of a network, is silent meanwhile."""
+    talk = told(plan, f"firmware 1 of {OURS}", running=True)
+    talk.speaking = talk.echoing = False
+    talk.run(1.0)
+    talk.exchange.receive(encode(LOG, log_payload(LogLine(1, f"firmware 1 of {THEIRS}"))), talk.now)
+    talk.speaking = talk.echoing = True
     talk.run(0.1)
 
     assert [fault for fault in talk.faults if THEIRS in fault]
+    talk.arrays.clear()
+    talk.submit(7, CLAMPING)
+    talk.run(1.0)
+    assert talk.arrays, "what is to be held is written all the same"
+    assert "accepted" not in {result.status for result in talk.results}
