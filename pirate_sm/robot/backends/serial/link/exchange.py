@@ -462,8 +462,8 @@ class Exchange:
         if theirs and ours and ours not in theirs:
             self._refuse(
                 f"the firmware is that of {theirs[-1]}, the profile is that of {ours}: write the "
-                "tables by `pirate firmware`, then build and flash it, or use the files that it was "
-                "flashed with. Flashing lets go of what the robot holds"
+                "tables by `pirate firmware`, then build and flash it, or use the files that it "
+                "was flashed with. Flashing lets go of what the robot holds"
             )
 
     def _refuse(self, reason: str) -> None:
