@@ -15,7 +15,7 @@ from itertools import chain, takewhile
 from math import inf
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pirate_sm.api.arguments import is_number, path_of
 from pirate_sm.core.effects import Effect, Ended
@@ -39,7 +39,9 @@ from pirate_sm.running.recording.write.sampler import due_steps
 from pirate_sm.running.wiring import Prepared
 from pirate_sm.running.wiring.run_recorder import RunRecorder, requested_recording, run_header
 from pirate_sm.views.report import GENERATOR
-from pirate_sm.views.report.poses import EVERY_S, Poses
+
+if TYPE_CHECKING:  # a check of a mission loads no NumPy
+    from pirate_sm.views.report.poses import Poses
 
 # --- results ------------------------------------------------------------------------------------
 
@@ -337,6 +339,8 @@ class _KeptPoses:
     flat: bool
 
     def __call__(self) -> Poses | None:
+        from pirate_sm.views.report.poses import Poses
+
         poses = Poses(true=True)
         for at_s, stood in self._stood():
             poses.add(at_s, stood.wheels, None if self.flat else stood.space)
@@ -363,6 +367,9 @@ class Notes:
     """
 
     def __init__(self, prepared: Prepared, header: RunHeader, recorder: Recorder | None) -> None:
+        from pirate_sm.views.report.poses import EVERY_S
+
+        self._every_s = EVERY_S
         self._prepared = prepared
         self._header = header
         self._recorder = recorder
@@ -412,9 +419,9 @@ class Notes:
         self._trail = trail = glide.trail
         if self._prepared.wheels is None or trail is None or trail.until_s < self._pose_s:
             return
-        due_s = due_steps(glide.times_s(), self._pose_s, EVERY_S)
+        due_s = due_steps(glide.times_s(), self._pose_s, self._every_s)
         if due_s:
-            self._pose_s = due_s[-1] + EVERY_S
+            self._pose_s = due_s[-1] + self._every_s
             self._places.append((due_s, trail.noted(due_s)))
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
@@ -444,7 +451,7 @@ class Notes:
     def _pose(self, now_s: float) -> None:
         wheels, in_space = self._prepared.wheels, self._prepared.in_space
         if wheels is not None and now_s >= self._pose_s:
-            self._pose_s = now_s + EVERY_S
+            self._pose_s = now_s + self._every_s
             stood = None if self._trail is None else self._trail.at(now_s)
             if stood is None:
                 places_m = tuple(chain.from_iterable(wheels()))

@@ -225,7 +225,7 @@ def test_a_run_that_was_resumed_can_be_resumed_again(
     whole = Path("on.mcap").read_bytes()
     pieces = read_recording(Path("on.mcap")).content.pieces
     again = Path("again.mcap")
-    again.write_bytes(whole[: pieces[len(pieces) // 3].at - 9])
+    again.write_bytes(whole[: pieces[len(pieces) // 4].at - 9])
 
     result = resume(again, "--accept", "--quiet", "--speed", "max", "--record", "end.mcap")
 
