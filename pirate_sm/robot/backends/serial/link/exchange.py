@@ -463,7 +463,7 @@ class Exchange:
             self._refuse(
                 f"the firmware is that of {theirs[-1]}, the profile is that of {ours}: write the "
                 "tables by `pirate firmware`, then build and flash it, or use the files that it "
-                "was flashed with. Flashing lets go of what the robot holds"
+                "was flashed with. Flashing releases what the robot holds"
             )
 
     def _refuse(self, reason: str) -> None:
