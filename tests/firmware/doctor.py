@@ -17,11 +17,11 @@ from .avr_bay import AvrBay, Built
 def examined(
     built: Built, loaded: LoadedMission, dead: int | None = None, plan: LinkPlan | None = None
 ) -> Facts:
-    """Examine the robot of a mission in its pipe; move its wheels, unless a board is dead.
+    """Examine the robot of a mission in its pipe.
 
-    Another plan than the robot's may be expected.
+    Its wheels are moved, unless a board is dead or another plan than the robot's is expected.
     """
-    robot = loaded.loaded_robot
+    robot, moves = loaded.loaded_robot, dead is None and plan is None
     plan = plan or read_plan(robot.folder, robot.profile, loaded.robot)
     bay = AvrBay(built, robot.profile, robot.folder, loaded.pipe, seed=3)
     bay.dead.update({dead} if dead is not None else ())
@@ -29,7 +29,7 @@ def examined(
     with Listening(subject, BayPort(bay), plan.serial.baud, lambda: None) as listening:
         listening.listen(5.0)
         facts = listening.facts()
-        if dead is None:
+        if moves:
             moved = Moving(listening, lambda text: None).run()
             assert moved.accepted == moved.sent
     return judged(facts, subject)
