@@ -105,6 +105,7 @@ def test_every_benchmark_is_run_at_its_smallest_or_it_is_said_why_not() -> None:
 
 
 @pytest.mark.thorough
+@pytest.mark.timeout(600)  # `bench` alone takes a minute, and others work beside it
 @pytest.mark.parametrize("line", SMALLEST)
 def test_a_benchmark_runs_to_its_end(
     line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
