@@ -245,7 +245,7 @@ class Run:
     def _last(self) -> tuple[Ended | None, float]:
         """How it ended, and the time of the last thing that happened."""
         end, last_s = None, 0.0
-        steps = self.steps.told() if isinstance(self.steps, _KeptSteps) else self.steps()
+        steps = self.steps.without_frames() if isinstance(self.steps, _KeptSteps) else self.steps()
         for step in steps:
             last_s = max(last_s, step.at_s)
             for effect in step.effects:
@@ -315,7 +315,7 @@ class _KeptSteps:
                 yield each._replace(number=number)
                 number += 1
 
-    def told(self) -> Iterator[RecordedStep]:
+    def without_frames(self) -> Iterator[RecordedStep]:
         """Yield the steps that were taken alone, and the last of those that were not."""
         for each in self.kept:
             if isinstance(each, RecordedStep):
@@ -326,7 +326,7 @@ class _KeptSteps:
 
 @dataclass(frozen=True)
 class _KeptPoses:
-    """Returns where the wheels really were; other processes can be sent it.
+    """Returns where the wheels were; other processes can be sent it.
 
     Attributes:
         places: Times, and what the trail has noted at them, or where the robot stood at one.

@@ -15,9 +15,9 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from pirate_sm.cli import line
+from pirate_sm.cli import command_line
+from pirate_sm.cli.command_line import COMMANDS, found
 from pirate_sm.cli.completion import ASKING
-from pirate_sm.cli.line import COMMANDS, found
 from pirate_sm.cli.options.common import VERSION
 from pirate_sm.cli.options.declaring import parameters_of, plain_refusal
 
@@ -114,8 +114,8 @@ def _single(name: str) -> typer.Typer:
     def command(context: typer.Context, **given: Any) -> None:
         sources = {each: str(context.get_parameter_source(each)) for each in given}
         named = [each for each, source in sources.items() if source.endswith("COMMANDLINE")]
-        line.keep(name, given, named)
-        raise typer.Exit(line.work(name, given, named))
+        command_line.keep(name, given, named)
+        raise typer.Exit(command_line.work(name, given, named))
 
     context = Parameter("context", Parameter.KEYWORD_ONLY, annotation=typer.Context)
     vars(command)["__signature__"] = Signature([context, *parameters_of(options)])
@@ -157,7 +157,7 @@ def _enter(app: typer.Typer) -> None:
         else:
             app()
 
-    line.enter(run)
+    command_line.enter(run)
 
 
 def main() -> None:

@@ -91,9 +91,9 @@ def _start(command: str) -> None:
     _prepare()
 
     def work() -> None:
-        from pirate_sm.cli import line
+        from pirate_sm.cli import command_line
 
-        with line.begun([*(["run"] if command == "run_main" else []), *sys.argv[1:]]):
+        with command_line.begun([*(["run"] if command == "run_main" else []), *sys.argv[1:]]):
             from pirate_sm.cli import entry
 
             getattr(entry, command)()

@@ -10,7 +10,7 @@ from dataclasses import astuple
 from typing import TYPE_CHECKING, Any
 
 from pirate_sm.checking.kept_results import again, kept
-from pirate_sm.cli import line
+from pirate_sm.cli import command_line
 from pirate_sm.cli.output.terminal import columns_of, shows_colour, writable
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def run_check(options: CheckOptions) -> int:
     if options.fix or options.diff or options.rehearse or options.counterexamples is not None:
         code, text = afresh()  # it does more than print
     else:
-        inputs = line.words or astuple(options), columns, coloured
+        inputs = command_line.words or astuple(options), columns, coloured
         code, text = kept(_WHAT, inputs, afresh, _read)
     _show(text)
     return code
@@ -45,9 +45,9 @@ def run_check(options: CheckOptions) -> int:
 
 def print_again() -> None:
     """Print the kept report of the command line and end the process; return without one."""
-    known = again(_WHAT, (line.words, *_look()), _read)
+    known = again(_WHAT, (command_line.words, *_look()), _read)
     if known is not None:
-        line.enter(lambda: _print(*known))
+        command_line.enter(lambda: _print(*known))
 
 
 def _print(code: int, text: str | None) -> None:

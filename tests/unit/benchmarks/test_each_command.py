@@ -26,7 +26,7 @@ SMALLEST = (
     "bench --small",
     "charts --repeats 1",
     "check --runs 1 --mission climb --phases 30 --held 2",
-    "columns --minutes 0.2",
+    "binary_frames --minutes 0.2",
     "completion --repeats 1",
     "console --seconds 1 --stops 1",
     "fidelity --row 'round: elbow' --seeds 1",

@@ -12,7 +12,7 @@ import pytest
 
 from pirate_sm.checking import permissions
 from pirate_sm.cli import settings
-from pirate_sm.cli.line import COMMANDS, found
+from pirate_sm.cli.command_line import COMMANDS, found
 from pirate_sm.cli.options.declaring import parameters_of
 from pirate_sm.cli.scene_steps import simulating, why_refused
 from pirate_sm.core._loading.mission.loader import load_mission

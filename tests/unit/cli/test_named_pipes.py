@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from typer.testing import Result
 
-from pirate_sm.cli.line import COMMANDS, found
+from pirate_sm.cli.command_line import COMMANDS, found
 from pirate_sm.core.errors import UsageError
 from pirate_sm.lab.campaign.store import MARK, Store
 from pirate_sm.robot.camera import FileSource, ImagesSource

@@ -9,15 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.cli import line
+from pirate_sm.cli import command_line
 
 from .conftest import ROOT
 
 CODE = """
 import sys
 sys.argv = ["pirate", *sys.argv[1:]]
-from pirate_sm.cli import line
-package, name = line.COMMANDS[sys.argv[1]][1].split(":")
+from pirate_sm.cli import command_line
+package, name = command_line.COMMANDS[sys.argv[1]][1].split(":")
 work = __import__("importlib").import_module(f"pirate_sm.cli.commands.{package}")
 setattr(work, name, lambda options: print(options, "typer" in sys.modules) or 0)
 from pirate_sm.cli.start import main
@@ -61,6 +61,6 @@ def test_another_interrupt_while_one_is_reported_ends_the_command_quietly() -> N
         raise KeyboardInterrupt
 
     with pytest.raises(SystemExit) as ended:
-        line.enter(interrupted)
+        command_line.enter(interrupted)
 
     assert ended.value.code == 130

@@ -1,6 +1,6 @@
 """What frames in a recording cost as columns of JSON, and what they would as binary columns.
 
-    python -m benchmarks.columns [--minutes 10]
+    python -m benchmarks.binary_frames [--minutes 10]
 
 The frames of a recording are written and read again in both ways. Printed are the user's processor
 time of each, as a share of all that a recording adds to a run as fast as it goes and of all that
