@@ -58,7 +58,7 @@ def shared_out(targets: Sequence[CheckTarget], make: Make) -> Iterator[Make]:
                 for group in groups:
                     future = pool.submit(_make_all, group)
                     making |= {target: (future, number) for number, target in enumerate(group)}
-        except (OSError, RuntimeError, NotImplementedError):  # the system refuses processes
+        except (OSError, RuntimeError):  # the system refuses processes
             pool, making = None, {}  # its thread may not have begun, and cannot be waited for
             _end_new(before)
         yield lambda target: _made(making.get(target), target, make)
