@@ -152,7 +152,10 @@ def test_where_the_system_refuses_processes_the_command_checks_alone(
 
 @needs_processors
 def test_ctrl_c_while_processes_begin_ends_the_command(here: Path) -> None:
-    code = f"import os; os.register_at_fork(before=lambda: os.kill(os.getpid(), 2))\n{CODE}"
+    heard = (
+        "import os, signal; signal.signal(signal.SIGINT, signal.SIG_DFL)"  # if it is ignored here
+    )
+    code = f"{heard}; os.register_at_fork(before=lambda: os.kill(os.getpid(), 2))\n{CODE}"
 
     ran = subprocess.run(
         [sys.executable, "-c", code, "2", "sequences"],
