@@ -44,6 +44,16 @@ friction: {static: 0.843, kinetic: 0.786}
 """
 
 
+ROUND = """\
+format: 1
+pipe: round
+section: round
+diameter: 120 mm
+segments: [{straight: 3 m}]
+start: {at: 1 m}
+"""
+
+
 DRY = """\
 format: 1
 pipe: dry
@@ -129,6 +139,17 @@ def test_belief_in_wheels_ends_where_they_run_on_the_sides_of_their_tyres(tmp_pa
     claim = judged(Case(238, "pipe", WAYS[4], order, None, 0.416)).claim
 
     assert abs(claim.estimate_m - claim.truth_m) < 0.012 < claim.bound_m < 0.03
+
+
+def test_wheels_off_the_axis_lack_no_more_than_the_edges_of_their_tyres(tmp_path: Path) -> None:
+    """It clamped 18 mm off the axis, and said 106 mm at 111 mm."""
+    pipe = tmp_path / "round.yaml"
+    pipe.write_text(ROUND, encoding="utf-8")
+    order = Order("enter_2d", pipe=str(pipe), settings={"way": "100 mm"}, seed=3)
+
+    claim = judged(Case(3, "nothing", WAYS[4], order, None, 0.1)).claim
+
+    assert abs(claim.estimate_m - claim.truth_m) < 0.02 * claim.truth_m < claim.bound_m
 
 
 def test_a_wait_asks_for_a_bound_of_its_own(run, tmp_path: Path) -> None:

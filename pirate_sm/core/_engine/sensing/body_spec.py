@@ -72,6 +72,7 @@ class BodySpec(Chain):
         imu: The accelerometer; None without one.
         roll: Number index of the roll joint's angle; -1 without one.
         weight_n: Weight of the whole robot.
+        edge_lacks: Share of its radius that a wheel on the edge of its tyre lacks.
     """
 
     joints: tuple[int, ...]
@@ -81,6 +82,7 @@ class BodySpec(Chain):
     imu: Imu | None = None
     roll: int = -1
     weight_n: float = 0.0
+    edge_lacks: float = 1.0
 
     def wheels_of(self, part: int) -> tuple[int, ...]:
         """Return the wheels of a part, or of the ``WHOLE`` chain, front to rear."""

@@ -256,7 +256,8 @@ def _tilted(
     """Return the share of the way that wheels lack because they run on the sides of their tyres.
 
     A part in a plane off the axis of a round pipe spans less than its diameter. Its wheels lean
-    on the wall, and roll on as much less than their radius as the part spans less. While another
+    on the wall, and roll on as much less than their radius as the part spans less, but on no
+    smaller circle than the edge of a tyre. While another
     part lies along the axis, they turn faster than its wheels, which is seen without this. One that
     nearly does lacks what it spans less, and the other one no less.
 
@@ -274,7 +275,8 @@ def _tilted(
         bore_m = min(able, default=0.0) if spanned else bores_m[0] if able else 0.0
         leans &= span_m < bore_m * (1 - AGREEING)
         lack_m = bore_m - span_m if span_m < bore_m else 0.0  # or nobody knows
-        lacks.append(lack_m / (bore_m - 2 * body.wheel_radius_m) if lack_m else 0.0)
+        lack = lack_m / (bore_m - 2 * body.wheel_radius_m) if lack_m else 0.0
+        lacks.append(min(lack, body.edge_lacks))
     share = fmean if leans else min
     return (share(lacks) if lacks else 0.0), spanned
 

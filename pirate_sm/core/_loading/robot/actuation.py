@@ -177,6 +177,7 @@ def resolve_chain(signals: Signals) -> BodySpec:
         imu=_imu(profile, signals),
         roll=signals.index(roll),
         weight_n=body.mass_kg * GRAVITY_M_S2,
+        edge_lacks=body.edge_lacks,
     )
 
 

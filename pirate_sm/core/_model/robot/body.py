@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
@@ -114,6 +115,15 @@ class Body(Frozen):
     def first_behind_roll(self) -> int:
         """Return the index of the first wheel behind the roll joint; without one the last wheel."""
         return next((n + 1 for n, link in enumerate(self.links) if link.roll), len(self.links))
+
+    @property
+    def edge_lacks(self) -> float:
+        """Return the share of its radius that a leaning wheel lacks on the edge of its tyre.
+
+        It cannot lean farther, so this is the most that it lacks.
+        """
+        half = min(self.wheel_width / (2 * self.wheel_radius), 1.0)
+        return 1.0 - sqrt(1.0 - half * half)
 
     def apex_of(self, part: Name) -> Joint | None:
         """Return the joint at the apex of a part's V."""
