@@ -54,6 +54,18 @@ start: {at: 1 m}
 """
 
 
+UPRIGHT = """\
+format: 1
+pipe: upright
+section: round
+diameter: 120 mm
+frame: {pitch: 90 deg}
+segments: [{straight: 3 m}]
+start: {at: 1.2 m}
+friction: {static: 0.23, kinetic: 0.184}
+"""
+
+
 DRY = """\
 format: 1
 pipe: dry
@@ -150,6 +162,24 @@ def test_wheels_off_the_axis_lack_no_more_than_the_edges_of_their_tyres(tmp_path
     claim = judged(Case(3, "nothing", WAYS[4], order, None, 0.1)).claim
 
     assert abs(claim.estimate_m - claim.truth_m) < 0.02 * claim.truth_m < claim.bound_m
+
+
+def test_belief_in_wheels_that_are_kept_at_one_speed_ends_while_they_drag_dead_ones(
+    run, tmp_path: Path
+) -> None:
+    """Their loops let slipping wheels turn alike: it said 605 ± 518 mm at 1 mm."""
+    mission, pipe = tmp_path / "asking.yaml", tmp_path / "upright.yaml"
+    kept = ASKING.replace("start: drive", "control: exp_3a\nstart: drive")
+    handled = "[distance.unknown, wheel.dead, robot.stuck, sensor.silent], then: continue"
+    kept = kept.replace("distance.unknown, go: halt", handled).replace("400", "600")
+    mission.write_text(kept, encoding="utf-8")
+    pipe.write_text(UPRIGHT, encoding="utf-8")
+
+    record = run(mission, pipe=str(pipe), seed=3, defects=("wheels_3_4_dead",))
+
+    odometry_mm, bound_mm, off_mm = shown(record)
+    assert odometry_mm > 600
+    assert 500 < off_mm < bound_mm
 
 
 def test_a_wait_asks_for_a_bound_of_its_own(run, tmp_path: Path) -> None:

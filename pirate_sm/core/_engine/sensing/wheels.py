@@ -7,7 +7,7 @@ is taken out of the odometry again. It is believed again once it has turned with
 A wheel slips only with the friction of its wall along its rim, so slip shows in the forces. If the
 wheels together give what gravity asks for and all turn alike, they roll: wheels that slip turn as
 fast as their loads let them, and these differ. Wheels that give more push against something; while
-they give less the robot slides.
+they give less the robot slides. Dead wheels may hold the robot with any force up to their drag.
 """
 
 from __future__ import annotations
@@ -237,6 +237,9 @@ def judge_grip(
     top_m_s = max(wheel.top_m_s for wheel in driven)
     ends = (min(speeds), max(speeds)) if speeds else (0.0, top_m_s)
     unalike = ends[1] - ends[0] > _ALIKE * top_m_s
+    if drag_n and turning:  # a loop keeps its wheel at a speed; then loads show in the duties
+        duties = [abs(setpoints[wheel.slot]) for wheel in turning]
+        unalike |= max(duties) - min(duties) > _ALIKE
     steep = felt and asked_n + drag_n > BALANCED * weight_n
     lacks = excess_n < -slack_n and not isnan(pitch_rad)
     slips = excess_n > slack_n or lacks or (steep and (unalike or len(turning) < _FEW))
