@@ -79,9 +79,10 @@ test-thorough: $(VENV)/.ready-dev
 	    --dist worksteal -m "(thorough or hypothesis) and not slow and not browser and not firmware"
 
 # It needs g++; what is flashed is built and run where avr-g++ and simavr are. `make test-thorough` has its
-# parts and the build too.
+# parts and the build too, so the build of this project leaves them out here, and takes a quarter of the rides.
+FIRMWARE ?= firmware or thorough
 test-firmware: $(VENV)/.ready-dev
-	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal -m "firmware or thorough" tests/firmware
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal -m "$(FIRMWARE)" tests/firmware
 
 test-browser: $(VENV)/.ready-browser
 	$(BIN)/python -m pytest -m browser tests/browser
@@ -98,7 +99,7 @@ check: $(VENV)/.ready-dev
 	$(BIN)/lint-imports
 
 test-pty: $(VENV)/.ready-dev
-	$(BIN)/python -m pytest -m slow tests/conformance tests/firmware tests/test_how_to.py tests/console/test_ten_tasks.py
+	$(BIN)/python -m pytest -m "slow and not firmware" tests/conformance tests/firmware tests/test_how_to.py tests/console/test_ten_tasks.py
 
 test-cluster: $(VENV)/.ready-dev
 	$(BIN)/python -m pytest -m slow tests/unit/lab/campaign

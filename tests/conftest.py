@@ -19,7 +19,7 @@ from pirate_sm.simulation.machine_code.built_library import find_library
 # The same examples on every machine and no wall clock; HYPOTHESIS_PROFILE=explore draws new ones.
 same = {"derandomize": True, "database": None, "deadline": None}
 settings.register_profile("repeatable", max_examples=15, **same)
-settings.register_profile("thorough", max_examples=200, **same)
+settings.register_profile("thorough", max_examples=100, **same)
 settings.register_profile("explore", max_examples=2_000, deadline=None)
 settings.load_profile(profile := os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 if profile == "repeatable":

@@ -25,10 +25,13 @@ LEAST_STACK = 1000
 NOISE = 0.0005
 """Share of bytes that are lost, and of those that are changed, on each line [assumed]."""
 
-ROUNDS = 100
+BENDS = [each if each < 5 else pytest.param(each, marks=pytest.mark.slow) for each in range(20)]
+"""The seeds of the bends; the first five are taken by the build too."""
+
+ROUNDS = pytest.mark.parametrize("rounds", [25, pytest.param(100, marks=pytest.mark.slow)])
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", BENDS)
 def test_the_bend_is_passed_on_bad_lines_and_the_stack_has_room(
     six_wheeled: Built, seed: int
 ) -> None:
@@ -153,11 +156,12 @@ def drives(six_wheeled: Built) -> Drives:
     return Drives(six_wheeled)
 
 
+@ROUNDS
 @pytest.mark.parametrize("guardian", [True, False], ids=["guarded", "alone"])
 def test_a_host_that_is_killed_leaves_wheels_at_zero_and_clamps_held_every_time(
-    drives: Drives, guardian: bool
+    drives: Drives, guardian: bool, rounds: int
 ) -> None:
-    for number in range(ROUNDS):
+    for number in range(rounds):
         drives.drive(number)
         if guardian:
             drives.port.die(drives.dies_s + 0.7)
@@ -169,10 +173,11 @@ def test_a_host_that_is_killed_leaves_wheels_at_zero_and_clamps_held_every_time(
         drives.connect()
 
 
+@ROUNDS
 def test_a_cable_that_is_out_leaves_wheels_at_zero_and_clamps_held_every_time(
-    drives: Drives,
+    drives: Drives, rounds: int
 ) -> None:
-    for number in range(ROUNDS):
+    for number in range(rounds):
         drives.drive(number)
         drives.port.plugged = False
         drives.wait(0.7)
@@ -181,12 +186,13 @@ def test_a_cable_that_is_out_leaves_wheels_at_zero_and_clamps_held_every_time(
         assert drives.wait(3.0, BuiltInFault.LINK_INTERRUPTED)
 
 
+@ROUNDS
 @pytest.mark.parametrize("hang", ["hang", "deaf"])
 def test_a_main_loop_that_hangs_leaves_wheels_at_zero_and_clamps_held_every_time(
-    drives: Drives, hang: str
+    drives: Drives, hang: str, rounds: int
 ) -> None:
     """Also one that hangs with interrupts switched off."""
-    for number in range(ROUNDS):
+    for number in range(rounds):
         drives.drive(number)
         drives.bay.controller.does(hang)
         assert drives.wait(3.0, BuiltInFault.FIRMWARE_RESET)
