@@ -18,4 +18,5 @@ from pirate_sm.core._expressions import (
 )
 from pirate_sm.core._expressions.compiler import Code, depth_of
 from pirate_sm.core._expressions.machine import DEEPEST
-from pirate_sm.core._expressions.vocabulary import KEYWORDS, change_of
+from pirate_sm.core._expressions.parser import Token, tokenize
+from pirate_sm.core._expressions.vocabulary import FUNCTIONS, KEYWORDS, change_of

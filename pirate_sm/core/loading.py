@@ -19,6 +19,7 @@ from pirate_sm.core._loading.chart_outline import (
 from pirate_sm.core._loading.mission.called_missions import read_states
 from pirate_sm.core._loading.mission.loader import (
     TOLERABLE,
+    UNFINISHED,
     LoadedMission,
     holding_in,
     load_mission,

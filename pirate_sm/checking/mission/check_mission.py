@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -47,6 +49,20 @@ class MissionCheck:
     explored: tuple[Explored, ...] = ()
 
 
+_noted: ContextVar[dict[Path, MissionCheck] | None] = ContextVar("noted", default=None)
+
+
+@contextmanager
+def noting_missions() -> Iterator[dict[Path, MissionCheck]]:
+    """Return a context that collects the checks of missions in this process, by their files."""
+    found: dict[Path, MissionCheck] = {}
+    before = _noted.set(found)
+    try:
+        yield found
+    finally:
+        _noted.reset(before)
+
+
 def check_mission(
     path: Path,
     *,
@@ -69,7 +85,10 @@ def check_mission(
         loaded = load_mission(path, robot=robot, pipe=pipe, settings=settings, tolerated=TOLERABLE)
     except LoadError as error:
         return MissionCheck(tuple(finding_of(problem) for problem in error.problems))
-    return check_loaded(loaded, tuple(map(finding_of, loaded.problems)))
+    checked = check_loaded(loaded, tuple(map(finding_of, loaded.problems)))
+    if (noted := _noted.get()) is not None:
+        noted[path] = checked
+    return checked
 
 
 def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> MissionCheck:

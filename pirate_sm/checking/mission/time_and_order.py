@@ -338,6 +338,12 @@ def _limit(
 
 def _shortest_s(found: Exploration) -> float:
     """Return the shortest time to an end that succeeds, with nominal durations, s."""
+    endings = ((found.nodes[n].state.mission.ending, s) for n, s in earliest_s(found).items())
+    return min((s for end, s in endings if end and end.outcome == "succeeded"), default=inf)
+
+
+def earliest_s(found: Exploration) -> Mapping[int, float]:
+    """Return for each node the shortest time to it, with nominal durations, s."""
     after: list[list[tuple[int, float]]] = [[] for _ in found.nodes]
     waiting: list[tuple[float, int]] = []
     for step in found.steps:
@@ -346,18 +352,15 @@ def _shortest_s(found: Exploration) -> float:
         else:
             took_s = max(step.move.at_s - found.nodes[step.source].now, 0.0)
             after[step.source].append((step.target, took_s))
-    known: set[int] = set()
+    known: dict[int, float] = {}
     while waiting:
         time_s, node = heappop(waiting)
         if node in known:
             continue
-        known.add(node)
-        ending = found.nodes[node].state.mission.ending
-        if ending is not None and ending.outcome == "succeeded":
-            return time_s
+        known[node] = time_s
         for target, took_s in after[node]:
             heappush(waiting, (time_s + took_s, target))
-    return inf
+    return known
 
 
 # --- fault handlers ------------------------------------------------------------------------------

@@ -188,7 +188,7 @@ def robot_page(robot: LoadedRobot, faults: Faults | None = None) -> list[Block]:
         PagePicture(side_svg(view), side_text(view)),
         Heading(2, "Commands"),
         *_overview(robot.profile),
-        *(block for name in robot.profile.commands for block in _command(robot, name)),
+        *(block for name in robot.profile.commands for block in command_blocks(robot, name)),
         *_other_names(robot.profile),
         Heading(2, "States"),
         *(block for place in range(len(robot.table.regions)) for block in _region(robot, place)),
@@ -256,7 +256,8 @@ def _overview(profile: Profile) -> Iterator[Block]:
     yield Paragraph(_GENERAL)
 
 
-def _command(robot: LoadedRobot, name: str) -> Iterator[Block]:
+def command_blocks(robot: LoadedRobot, name: str) -> Iterator[Block]:
+    """Yield what the page says of a command: what it needs and moves, and how long that takes."""
     profile, index = robot.profile, robot.table.command_index[name]
     command = profile.commands[name]
     yield Heading(3, name)

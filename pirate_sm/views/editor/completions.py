@@ -10,8 +10,8 @@ import re
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-_IMPOSSIBLE = ("zzqxj", "zzqxj: 1", "zzq.xj")
-"""Words that no file has: as a value, as a key, and as a code, which has two parts."""
+_IMPOSSIBLE = ("zzqxj: x", "zzqxj", "zzq.xj")
+"""Words that no file has: as a key, as a value, and as a code, which has two parts."""
 
 _WORD_BEFORE = re.compile(r"[\w.]*\Z")
 _WORD_AFTER = re.compile(r"[\w.]*")
@@ -35,6 +35,13 @@ def gap(text: str, index: int) -> tuple[int, int]:
     return before.start() if before else index, after.end() if after else index
 
 
+def opening(text: str, start: int) -> str:
+    """Return what an entry begins with at a place: ``-``, ``[`` or ``{``; empty on its own line."""
+    before = text[:start].rpartition("\n")[2].rstrip()
+    opened = max(before.rfind("["), before.rfind("{"))
+    return before[opened] if before.endswith(("[", "{", ",")) and opened >= 0 else before[-1:]
+
+
 def offers(
     text: str, start: int, end: int, compared: Callable[[str, str], list[str]]
 ) -> Iterator[PossibleWord]:
@@ -51,7 +58,7 @@ def offers(
     known: set[str] = set()
     for put in _IMPOSSIBLE:
         word, is_key, _ = put.partition(":")
-        if (is_key and not begins) or (known and not is_key):
+        if (is_key and not begins) or (known and "." in word):
             continue
         for each in compared(f"{before}{put}{after}", word):
             if each not in known:

@@ -22,6 +22,7 @@ from pygls.uris import to_fs_path
 from pirate_sm import __version__
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.kept_results import KeptInMemory
+from pirate_sm.checking.mission.check_mission import noting_missions
 from pirate_sm.checking.project_files import find_targets
 from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.core.documents import (
@@ -36,9 +37,12 @@ from pirate_sm.core.errors import PirateError
 from pirate_sm.core.loading import TOLERABLE, load_mission, references
 from pirate_sm.core.on_disk import noting, unsaved
 from pirate_sm.core.spelling import compared_with
-from pirate_sm.views.editor import outline
-from pirate_sm.views.editor.asked_place import AskedPlace
-from pirate_sm.views.editor.completions import PossibleWord, offers
+from pirate_sm.views.editor import expression_tokens, hover, inlay_hints, outline
+from pirate_sm.views.editor.asked_place import AskedPlace, content_of
+from pirate_sm.views.editor.completion_items import items
+from pirate_sm.views.editor.completions import offers, opening
+from pirate_sm.views.editor.editor_wishes import EditorWishes
+from pirate_sm.views.editor.known_mission import KnownMission, may_be_mission
 from pirate_sm.views.editor.names import FileSaid, NameAt, Names
 from pirate_sm.views.editor.positions import Positions
 from pirate_sm.views.editor.shown_findings import SOURCE, CheckedTexts
@@ -69,6 +73,8 @@ class Editor:
         self._last: CheckedTexts | None = None
         self._shown: set[str] = set()
         self._outlined: dict[str, tuple[Document, Positions]] = {}
+        self._missions: dict[str, KnownMission] = {}
+        self._wishes = EditorWishes(self._server)
         answers: dict[str, Callable[[Any], Any]] = {
             types.INITIALIZE: self._enter_project,
             types.INITIALIZED: self._begin,
@@ -82,6 +88,9 @@ class Editor:
             types.TEXT_DOCUMENT_DEFINITION: self._definition,
             types.TEXT_DOCUMENT_REFERENCES: self._references,
             types.TEXT_DOCUMENT_RENAME: self._rename,
+            types.TEXT_DOCUMENT_HOVER: self._hover,
+            types.TEXT_DOCUMENT_INLAY_HINT: self._inlay_hints,
+            types.WORKSPACE_DID_CHANGE_CONFIGURATION: self._wishes.change,
         }
         for name, answer in answers.items():
             self._server.feature(name)(partial(answer))
@@ -90,6 +99,11 @@ class Editor:
         self._server.feature(types.TEXT_DOCUMENT_CODE_ACTION, offered)(partial(self._actions))
         begins = types.CompletionOptions(trigger_characters=[" ", "$"])
         self._server.feature(types.TEXT_DOCUMENT_COMPLETION, begins)(partial(self._completions))
+
+        legend = types.SemanticTokensLegend([each.value for each in expression_tokens.TYPES], [])
+        self._server.feature(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL, legend)(
+            partial(self._tokens)
+        )
 
     def serve(self, messages: BinaryIO, answers: BinaryIO) -> None:
         """Answer until the editor ends.
@@ -102,8 +116,9 @@ class Editor:
 
     # --- the editor and its files ---
 
-    def _enter_project(self, _: types.InitializeParams) -> None:
+    def _enter_project(self, said: types.InitializeParams) -> None:
         """Work in the folder of the project, from which files have their names."""
+        self._wishes.take(said.initialization_options)
         folders = [*self._server.workspace.folders] or [self._server.workspace.root_uri]
         root = folders[0] and to_fs_path(folders[0])
         with suppress(OSError):
@@ -142,7 +157,7 @@ class Editor:
             if self._changed.is_set():
                 continue
             files = self._open()
-            texts = {path: _content(file.source) for path, file in files.items()}
+            texts = {path: content_of(file.source) for path, file in files.items()}
             uris = {path: file.uri for path, file in files.items()}
             work = partial(self._checked, texts, uris)
             try:
@@ -155,6 +170,7 @@ class Editor:
                 self._last = checked
                 versions = {file.uri: file.version for file in files.values()}
                 self._show(shown, versions)
+                self._wishes.refresh_hints()
 
     def _checked(
         self, texts: dict[str, bytes], uris: dict[str, str]
@@ -165,8 +181,13 @@ class Editor:
             for path, content in texts.items()
             if kind_of_text(content.decode(errors="replace")) is not FileKind.OTHER
         ]
-        with unsaved(texts), self._memory.used():
+        with unsaved(texts), self._memory.used(), noting_missions() as noted:
             report = self._check(known) if known else CheckReport((), ())
+        last = {path: each for path, each in self._missions.items() if path in texts}
+        for file, each in noted.items():
+            if each.loaded is not None:
+                last[os.path.realpath(file)] = KnownMission(each.loaded, each.explored)
+        self._missions = last
         checked = CheckedTexts(report, texts, uris, self._server.workspace.position_codec)
         return checked, checked.diagnostics()
 
@@ -193,7 +214,7 @@ class Editor:
         """Return the changes for a part of a file, if its findings are those of its text."""
         file = self._server.workspace.get_text_document(asked.text_document.uri)
         path, last = os.path.realpath(file.path), self._last
-        if last is None or last.texts.get(path) != _content(file.source):
+        if last is None or last.texts.get(path) != content_of(file.source):
             return []
         only = asked.context.only or []
 
@@ -205,17 +226,40 @@ class Editor:
     async def _completions(self, asked: types.CompletionParams) -> list[types.CompletionItem]:
         """Return the words that are possible at a place; loading is asked in a thread."""
         question = self._question(asked)
+        is_mission = may_be_mission(question.text_of(question.path))
 
         def compared(changed: str, word: str) -> list[str]:
             with compared_with(word) as names:
-                self._loaded(question, {question.path: changed}, question.path)
+                if is_mission:
+                    question.mission(changed)
+                else:
+                    self._loaded(question, {question.path: changed}, question.path)
             return [*names]
 
         def work() -> list[types.CompletionItem]:
-            place = question.range(NameAt(question.path, question.start), question.word)
-            end = question.start + len(question.word)
+            text, start = question.text_of(question.path), question.start
+            end, place = start + len(question.word), question.range(question.spot, question.word)
+            known = question.marked_mission() if is_mission else None
+            words = offers(text, start, end, compared)
+            return [
+                *items(words, place, known, fills=self._wishes.fills, opening=opening(text, start))
+            ]
+
+        return await self._in_thread(work)
+
+    async def _hover(self, asked: types.HoverParams) -> types.Hover | None:
+        """Return what is known of a word of a mission."""
+        question = self._question(asked)
+
+        def work() -> types.Hover | None:
             text = question.text_of(question.path)
-            return [_item(each, place) for each in offers(text, question.start, end, compared)]
+            known = self._missions.get(question.path)
+            known = known or (question.mission(text) if may_be_mission(text) else None)
+            line = asked.position.line + 1 if known and known.text == text else 0
+            said = hover.about(known, question.word, line) if known and question.word else ""
+            content = types.MarkupContent(types.MarkupKind.Markdown, said)
+            place = question.range(question.spot, question.word)
+            return types.Hover(content, place) if said else None
 
         return await self._in_thread(work)
 
@@ -291,7 +335,7 @@ class Editor:
         """Load a file with changed texts; a mission without exploring it."""
         texts = {**question.texts, **changed}
         errors: Iterable[Finding | Problem] = ()
-        with unsaved({each: _content(text) for each, text in texts.items()}), noting() as asked:
+        with unsaved({each: content_of(text) for each, text in texts.items()}), noting() as asked:
             if kind_of_text(question.text_of(path, texts)) is FileKind.MISSION:
                 try:
                     with references.kept_inside(wanted=True):
@@ -313,6 +357,33 @@ class Editor:
     def _folds(self, asked: types.FoldingRangeParams) -> list[types.FoldingRange]:
         return self._outline(asked.text_document.uri, outline.folds)
 
+    def _tokens(self, asked: types.SemanticTokensParams) -> types.SemanticTokens:
+        """Return the words of the conditions in a file."""
+        found = self._parsed(asked.text_document.uri)
+        return types.SemanticTokens(expression_tokens.encoded(*found) if found else [])
+
+    async def _inlay_hints(self, asked: types.InlayHintParams) -> list[types.InlayHint]:
+        uri = asked.text_document.uri
+        if not self._wishes.hints or (found := self._parsed(uri)) is None:
+            return []
+        document, positions = found
+        path = os.path.realpath(self._server.workspace.get_text_document(uri).path)
+        known = self._missions.get(path)
+        known = known if known and known.text == document.text else None
+        part = positions.index_of(asked.range.start), positions.index_of(asked.range.end)
+        return await self._in_thread(
+            lambda: [*inlay_hints.hints(document, positions, known, *part)]
+        )
+
+    def _parsed(self, uri: str) -> tuple[Document, Positions] | None:
+        """Return a file of a known kind with its positions; None while it cannot be read."""
+        file = self._server.workspace.get_text_document(uri)
+        with suppress(LoadError):
+            document = parse_document(file.source, file.path)
+            if kind_of_text(document.text) is not FileKind.OTHER:
+                return document, Positions(document.text, self._server.workspace.position_codec)
+        return None
+
     def _outline(self, uri: str, of: Callable[[Document, Positions], list[R]]) -> list[R]:
         """Return an outline of a file; while it cannot be read, of its last text that could."""
         file = self._server.workspace.get_text_document(uri)
@@ -324,18 +395,6 @@ class Editor:
         return of(*known) if known else []
 
 
-def _item(offer: PossibleWord, place: types.Range) -> types.CompletionItem:
-    kinds = types.CompletionItemKind
-    new = types.TextEdit(place, f"{offer.word}: " if offer.is_key else offer.word)
-    kind = kinds.Property if offer.is_key else kinds.Value
-    return types.CompletionItem(offer.word, kind=kind, text_edit=new)
-
-
 def _plain(kind: types.CodeActionKind | str | None) -> str | None:
     """Return the text of a kind of action, of which this is a hierarchy."""
     return kind.value if isinstance(kind, types.CodeActionKind) else kind
-
-
-def _content(text: str) -> bytes:
-    """Return a text as a file holds it; an editor may send what no file can hold."""
-    return text.encode(errors="surrogatepass")

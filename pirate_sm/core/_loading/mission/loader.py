@@ -80,6 +80,16 @@ TOLERABLE = frozenset({"mission.command"})
 """Faults that can be tolerated by leaving out the steps that have them."""
 
 
+class _EveryFault(frozenset[str]):
+    def __contains__(self, code: object) -> bool:
+        return True
+
+
+UNFINISHED: Final = _EveryFault(TOLERABLE)
+"""Tolerates every fault of a mission that is being written: what it lacks is filled in. Such a
+mission is for completion and hints only; targets that it does not have lead nowhere."""
+
+
 def load_mission(
     path: Path,
     *,
@@ -131,7 +141,7 @@ def _loaded(
 ) -> LoadedMission:
     document = read_document(path)
     problems = Problems(document)
-    mission = _shape(document, problems, spare=bool(tolerated))
+    mission = _shape(document, problems, tolerated)
     folder = resolved(path).parent
     loaded = with_fitted(_robot(robot, mission, folder, problems), fitted)
     if robot is not None:
@@ -178,14 +188,16 @@ def _shadowing(mission: Mission, loaded: LoadedRobot, problems: Problems) -> str
     return shadow
 
 
-def _shape(document: Document, problems: Problems, *, spare: bool) -> Mission:
-    """Return the mission of the document, without its faulty parts if `spare`."""
+def _shape(document: Document, problems: Problems, tolerated: Collection[str]) -> Mission:
+    """Return the mission of the document, without its faulty parts if faults are tolerated."""
     mission = try_validate(document, Mission, problems)
     if mission is None:
         refuse_other(document, FileKind.MISSION)
         if part_of(document):
             check_section(document, problems)
-    if mission is None and spare:
+    if mission is None and tolerated is UNFINISHED:
+        mission = _filled_in(document)
+    elif mission is None and tolerated:
         mission = _without_faulty_parts(document)
     if mission is None:
         problems.raise_errors()
@@ -307,6 +319,29 @@ def _without_faulty_parts(document: Document) -> Mission | None:
         return Mission.model_validate(rest, **_LIKE_A_FILE)
     except ValidationError:
         return None
+
+
+def _filled_in(document: Document) -> Mission | None:
+    """Return the mission with all that it lacks; None if the document holds no mapping.
+
+    Its phases and ends are those of the document. Without a robot it is for the first shipped one.
+    """
+    from pirate_sm.core._loading.yaml.filled_in import filled_in  # noqa: PLC0415 - for editors only
+
+    if not isinstance(document.data, dict):
+        return None
+    data = {"robot": library.robots()[0].name, **document.data}
+    filled = filled_in(Mission, data)
+    if filled is None:
+        return None
+    mission = Mission.model_validate(filled, **_LIKE_A_FILE)
+    written = {key: data.get(key) or () for key in _EMPTIED}
+    named = {
+        key: {name: each for name, each in getattr(mission, key).items() if name in written[key]}
+        for key in _EMPTIED
+    }
+    start = mission.start if "start" in data else next(iter(named["phases"]), mission.start)
+    return mission.model_copy(update={**named, "start": start})
 
 
 _EMPTIED = {"phases": "go", "ends": "succeed"}

@@ -86,12 +86,25 @@ class SchemaWalk:
 
     def item(self, schema: Schema) -> Schema | None:
         """Return the schema of a list's items."""
-        found = self._child(schema, 0)
+        found = self.child(schema, 0)
         return self._plain(found) if found else None
 
     def parent(self, location: Location) -> Schema | None:
         """Return the schema of the mapping that contains a location's last key."""
         return self.follow(location[:-1]).schema
+
+    def kind(self, schema: Schema) -> Schema:
+        """Return the schema of what is usually written: of a union's first, short for a mapping."""
+        while True:
+            if schema["type"] == "definition-ref":
+                schema = self._definitions[schema["schema_ref"]]
+            elif schema["type"] == "union":
+                first = schema["choices"][0]
+                schema = first[0] if isinstance(first, tuple) else first
+            elif schema["type"] in _WRAPPERS and schema["type"] != "function-before":
+                schema = schema[_WRAPPERS[schema["type"]]]
+            else:
+                return schema
 
     def _plain(self, schema: Schema) -> Schema:
         """Return the schema inside references, validators, defaults and other wrappers."""
@@ -118,7 +131,7 @@ class SchemaWalk:
             case "union":
                 return self._branch(schema, str(part), rest, path)
             case _:
-                child = self._child(schema, part)
+                child = self.child(schema, part)
         if rest == ("[key]",):
             return SchemaTrail((*path, part), None, key=True)
         if child is None:
@@ -159,8 +172,8 @@ class SchemaWalk:
                 choice = choice[_WRAPPERS[choice["type"]]]
         return None
 
-    def _child(self, schema: Schema, part: str | int) -> Schema | None:
-        """Return the schema of the value at a key or index."""
+    def child(self, schema: Schema, part: str | int) -> Schema | None:
+        """Return the schema of the value at a key or index, with its wrappers."""
         found: Schema | None = None
         match schema["type"]:
             case "model-fields" | "dataclass-args":

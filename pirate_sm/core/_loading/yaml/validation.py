@@ -64,7 +64,7 @@ def try_validate(document: Document, model: type[M], problems: Problems, at: Pat
         return model.model_validate(data, context=dict(FROM_FILE), by_alias=True, by_name=False)
     except ValidationError as error:
         walk = SchemaWalk(model)
-        details = [detail for detail in error.errors(include_url=False) if not _is_echo(detail)]
+        details = [detail for detail in error.errors(include_url=False) if not is_echo(detail)]
         errors = [_Error(detail, walk.follow(detail["loc"])) for detail in details[:_MOST_ERRORS]]
         relevant = _relevant(errors, walk)
         misspelt = {
@@ -94,7 +94,7 @@ def _with_form(error: _Error, data: Any, model: type[BaseModel], left: Iterator[
     return replace(error, wording=wording._replace(expected=form.line, write=form.value))
 
 
-def _is_echo(detail: ErrorDetails) -> bool:
+def is_echo(detail: ErrorDetails) -> bool:
     """Return whether a list is only reported as too short because its entries are faulty."""
     minimum = detail.get("ctx", {}).get("min_length", 0)
     return detail["type"] == "too_short" and len(detail["input"]) >= minimum
