@@ -15,6 +15,7 @@ from pirate_sm.core.options import Options
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.sensing import Numbers
 from pirate_sm.core.spelling import unknown
+from pirate_sm.lab.learning.picture import Image
 from pirate_sm.lab.learning.rewards import Reward, StepMoment, Transition, reward_of
 from pirate_sm.lab.learning.trial import OPTIONAL, Scenario, StepOutcome, Trial
 
@@ -23,6 +24,8 @@ from pirate_sm.lab.learning.trial import OPTIONAL, Scenario, StepOutcome, Trial
 
 Observation: TypeAlias = dict[str, Any]
 Mask: TypeAlias = NDArray[np.int8]
+
+_MODE = "rgb_array"
 
 LARGEST = 1e6
 """Signals are clipped to this, SI; no signal of a robot in a pipe comes near it."""
@@ -100,7 +103,7 @@ class InPipe(gymnasium.Env[Observation, np.int64]):
     Args:
         reward: What a step is worth: a name in :data:`pirate_sm.learning.REWARDS`, or a
             function of the :class:`~pirate_sm.learning.Transition`.
-        render_mode: There is nothing to render; a recording shows a run.
+        render_mode: ``rgb_array``: :meth:`render` returns a picture. None: there are none.
         options: :class:`~pirate_sm.lab.learning.trial.Scenario`, such as ``mission``,
             ``defects``.
 
@@ -109,11 +112,16 @@ class InPipe(gymnasium.Env[Observation, np.int64]):
         UsageError: An option does not fit.
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  # typed so by Gymnasium
+    metadata: dict[str, Any] = {  # noqa: RUF012  # typed so by Gymnasium
+        "render_modes": ["rgb_array"],
+        "render_fps": 4,
+    }
 
     def __init__(
         self, *, reward: str | Reward = "reach", render_mode: str | None = None, **options: Any
     ) -> None:
+        if wrong := unknown("there is no render mode", [render_mode or _MODE], [_MODE]):
+            raise UsageError(wrong)
         self.render_mode = render_mode
         self._scenario = scenario_of(options)
         self._reward = reward_of(reward)
@@ -180,6 +188,14 @@ class InPipe(gymnasium.Env[Observation, np.int64]):
         if self._trial is None:
             raise UsageError("reset the environment before its masks are asked for")
         return self._mask.copy()
+
+    def render(self) -> Image | None:
+        """Return a picture of the robot in its pipe from above; None without a render mode."""
+        if self.render_mode is None:
+            return None
+        if self._trial is None:
+            raise UsageError("reset the environment before it is rendered")
+        return self._trial.picture
 
     def close(self) -> None:
         """End the episode."""

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from math import inf
 from os import PathLike
 from pathlib import Path
@@ -27,6 +28,7 @@ from pirate_sm.core.loading import LoadedMission, load_mission, load_pipe, load_
 from pirate_sm.core.options import OPTIONS, Options
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.sensing import Numbers
+from pirate_sm.lab.learning.picture import Image, Surroundings, picture, surroundings
 from pirate_sm.lab.learning.rewards import Outcome, StepMoment
 from pirate_sm.running.runtime.pump import Pump
 from pirate_sm.running.wiring import Prepared
@@ -68,6 +70,7 @@ class Trial:
         self._metres = [wheel.metres_per_rad for wheel in self.robot.wheels]
         self._status: CommandStatus | None = None
         self._faults: list[str] = []
+        self._around: Surroundings | None = None
         self._pump = pump = Pump(
             ready.engine, backend, companions=ready.companions, tell=self._tell
         )
@@ -108,6 +111,19 @@ class Trial:
         """The state of each region, then the detector's word; None is unknown."""
         state = self._state
         return (*state.words[: len(self.robot.regions)], state.outside("detector"))
+
+    @property
+    def picture(self) -> Image:
+        """Return a picture of the robot in its pipe, as it is now."""
+        loaded, state = self._ready.loaded, self._state
+        body = loaded.loaded_robot.profile.body
+        holding = {self.robot.parts[part] for part in self.robot.held[state.robot.configuration]}
+        parts = [wheel.part for wheel in body.wheels]
+        held = [one == other and one in holding for one, other in pairwise(parts)]
+        if self._around is None:
+            self._around = surroundings(loaded.pipe)
+        places = self._ready.wheels() if self._ready.wheels is not None else ()
+        return picture(places, held, body, self._around)
 
     @property
     def moment(self) -> StepMoment:
