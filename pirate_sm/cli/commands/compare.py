@@ -13,7 +13,14 @@ from pirate_sm.core.expressions import Vocabulary
 from pirate_sm.core.on_disk import is_folder, is_there, why_hidden
 from pirate_sm.core.units import format_quantity
 from pirate_sm.lab.campaign.store import is_store
-from pirate_sm.running.recording.compare import Comparison, compare, compared_run, unlike
+from pirate_sm.running.recording.compare import (
+    Comparison,
+    compare,
+    compared_run,
+    of_each_kind,
+    story,
+    unlike,
+)
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 
@@ -42,7 +49,8 @@ def run_compare(options: CompareOptions) -> int:
             vocabularies.append(loaded.robot.vocabulary)
         print_visible(f"{name}: {title(recording)}")
     result = compare(*courses)
-    lines = ["", *_circumstances(*headers), "", *_legs(result), ""]
+    head = ["", f"{story(courses[0], courses[1], result)}."]
+    lines = [*head, "", *_circumstances(*headers), "", *_legs(result), ""]
     for line in [*lines, *_deviations(result, vocabularies[0])]:
         print_visible(line)
     return DIFFERENT if result.parted is not None else SAME
@@ -121,7 +129,7 @@ def _deviations(result: Comparison, vocabulary: Vocabulary) -> Iterator[str]:
         yield "every signal is the same in A and B"
     if apart:
         yield "largest differences, relative to the range of signals of their kind:"
-    for each in apart[:_MOST_SIGNALS]:
+    for each in of_each_kind(apart)[:_MOST_SIGNALS]:
         dimension = vocabulary.dimension(each.name)
         most, typical, a, b = (
             format_quantity(float(f"{value:.4g}"), dimension)

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import isnan, sqrt
@@ -51,6 +52,7 @@ class ComparedRun:
         times: Times of the frames; in a long run of some, evenly spaced. ``values`` are their
             signals, in the order of ``names``.
         kinds: The kind of each signal, such as a current; signals of one kind share a range.
+        ending: How the run ended, with its message; empty if that is not recorded.
     """
 
     marks: list[Milestone] = field(default_factory=list)
@@ -59,6 +61,7 @@ class ComparedRun:
     times: list[float] = field(default_factory=list)
     values: list[Sequence[float]] = field(default_factory=list)
     until_s: float = 0.0
+    ending: str = ""
 
     def at(self, time_s: float) -> Sequence[float] | None:
         """Return the last known signals at a time."""
@@ -85,6 +88,7 @@ class Deviation:
         most: The largest deviation, in the unit of the signal; ``typical`` is the root mean square.
         where: The mark before the largest deviation; ``at_s`` is its time in the first run.
         first: The value there in the first run; ``second`` in the second.
+        kind: The kind of signal.
     """
 
     name: str
@@ -94,6 +98,7 @@ class Deviation:
     at_s: float
     first: float
     second: float
+    kind: str = ""
 
 
 @dataclass(frozen=True)
@@ -129,6 +134,8 @@ def compared_run(recording: Recording, loaded: LoadedMission) -> ComparedRun:
             what = _mark(effect)
             if what:
                 found.marks.append(Milestone(what, at_s))
+            if isinstance(effect, fx.Ended):
+                found.ending = f"{effect.outcome} ({effect.message})"
         if again.state is not None and isinstance(again.step.event, SensorFrame):
             new = at_s, array("d", again.state.sensing.shown)
             apart_s = add_evenly(found.times, found.values, new, apart_s, _MOST_KEPT)
@@ -174,6 +181,48 @@ def _legs(one: Sequence[Milestone], other: Sequence[Milestone]) -> Iterator[Miss
         before = (a.at_s, b.at_s)
 
 
+_MOST_OF_A_KIND = 3
+"""So many signals of a kind are named: one motor that is slower moves all currents."""
+
+
+def of_each_kind(deviations: Iterable[Deviation]) -> list[Deviation]:
+    """Return the first few deviations of each kind of signal, in the same order."""
+    taken: Counter[str] = Counter()
+    found = []
+    for each in deviations:
+        taken[each.kind] += 1
+        if taken[each.kind] <= _MOST_OF_A_KIND:
+            found.append(each)
+    return found
+
+
+_SAME_S = 0.1
+"""Two runs that differ by less in time have taken the same time."""
+
+
+def story(first: ComparedRun, second: ComparedRun, found: Comparison) -> str:
+    """Return in one sentence where two runs part, or what made one of them take longer."""
+    if found.parted is not None:
+        last = found.legs[-1] if found.legs else None
+        since = "immediately"
+        if last is not None:
+            since = f"after '{last.mark}' ({last.first_s:.1f} s, {last.second_s:.1f} s)"
+        ends = (each.ending or "is not recorded to its end" for each in (first, second))
+        a, b = found.parted
+        return "A and B part {}: A comes to '{}', B to '{}'; A {}, B {}".format(since, a, b, *ends)
+    later_s = second.until_s - first.until_s
+    slower = max(found.legs, key=lambda leg: abs(_later_s(leg)), default=None)
+    if slower is None or max(abs(later_s), abs(_later_s(slower))) < _SAME_S:
+        return "A and B take the same course in the same time"
+    lasted = f"{slower.lasted_first_s:.1f} s in A, {slower.lasted_second_s:.1f} s in B"
+    whole = f"B takes {abs(later_s):.1f} s {'longer' if later_s > 0 else 'less'} than A"
+    return f"A and B take the same course; {whole}, mostly up to '{slower.mark}' ({lasted})"
+
+
+def _later_s(leg: MissionLeg) -> float:
+    return leg.lasted_second_s - leg.lasted_first_s
+
+
 @dataclass
 class _Tally:
     most: float = -1.0
@@ -189,9 +238,9 @@ class _Tally:
     def typical(self) -> float:
         return sqrt(self.squares / self.count)
 
-    def deviation(self, name: str) -> Deviation:
+    def deviation(self, name: str, kind: str) -> Deviation:
         a, b = self.values
-        return Deviation(name, self.most, self.typical, self.where, self.at_s, a, b)
+        return Deviation(name, self.most, self.typical, self.where, self.at_s, a, b, kind)
 
     def add(self, a: float, b: float, where: str, at_s: float) -> None:
         if isnan(a) or isnan(b):
@@ -219,7 +268,7 @@ def _deviations(first: ComparedRun, second: ComparedRun, common: int) -> tuple[D
     for kind, tally in zip(kinds, tallies, strict=True):
         spans[kind] = max(spans.get(kind, 0.0), tally.high - tally.low)
     found = [
-        (tally.typical / (spans[kind] or 1.0), tally.deviation(name))
+        (tally.typical / (spans[kind] or 1.0), tally.deviation(name, kind))
         for name, kind, tally in zip(shared, kinds, tallies, strict=True)
         if tally.count
     ]

@@ -6,7 +6,7 @@ import pytest
 from recording_runs import record
 
 from pirate_sm.running.recording import compare as module
-from pirate_sm.running.recording.compare import ComparedRun, Milestone, compare, compared_run
+from pirate_sm.running.recording.compare import ComparedRun, Milestone, compare, compared_run, story
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.wiring import Order
 
@@ -112,3 +112,45 @@ def test_deviations_are_sorted_by_their_share_of_the_range_of_their_kind():
     unknown_first = compare(other, one).deviations
     assert [each.name for each in unknown_first] == ["x", "y", "w"]
     assert (unknown_first[0].first, unknown_first[0].second) == (3.0, 1.0)
+
+
+def told(*marks, ending="succeeded (There)"):
+    """A run with these marks, which ends with the last of them."""
+    milestones = [Milestone(what, at_s) for what, at_s in marks]
+    return ComparedRun(milestones, until_s=marks[-1][1], ending=ending)
+
+
+def test_the_story_of_two_runs_that_part_is_where_and_how_each_ends():
+    one = told(("phase drive", 1.0), ("phase halt", 4.0))
+    other = told(("phase drive", 1.2), ("phase regrip", 9.0), ending="failed (wheel.dead)")
+
+    assert story(one, other, compare(one, other)) == (
+        "A and B part after 'phase drive' (1.0 s, 1.2 s): A comes to 'phase halt', "
+        "B to 'phase regrip'; A succeeded (There), B failed (wheel.dead)"
+    )
+
+
+def test_the_story_of_a_slower_run_is_the_leg_that_took_longer():
+    one = told(("phase drive", 1.0), ("phase close", 4.0), ("succeeded", 5.0))
+    other = told(("phase drive", 1.1), ("phase close", 9.0), ("succeeded", 10.1))
+
+    assert story(one, other, compare(one, other)) == (
+        "A and B take the same course; B takes 5.1 s longer than A, mostly up to 'phase close' "
+        "(3.0 s in A, 7.9 s in B)"
+    )
+    assert "B takes 5.1 s less than A" in story(other, one, compare(other, one))
+
+
+def test_the_story_of_two_like_runs_is_that_nothing_differs():
+    one, other = told(("phase drive", 1.0)), told(("phase drive", 1.05))
+
+    assert story(one, other, compare(one, other)) == "A and B take the same course in the same time"
+
+
+def test_a_run_that_is_cut_off_at_its_start_has_a_story_too():
+    one, other = told(("phase drive", 1.0)), ComparedRun()
+
+    assert story(one, other, compare(one, other)) == (
+        "A and B part immediately: A comes to 'phase drive', B to 'nothing more'; "
+        "A succeeded (There), B is not recorded to its end"
+    )
