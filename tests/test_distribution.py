@@ -35,6 +35,7 @@ NEEDING = {
     ("jit", "numba"): (PIRATE, "run", "mitre_bend", "--no-record"),
     ("live", "foxglove"): (PIRATE, "run", "mitre_bend", "--backend", "trace", "--live"),
     ("lsp", "pygls"): (PIRATE, "lsp"),
+    ("page", "tornado"): (PIRATE, "page", "{run}"),
     ("parquet", "pyarrow"): (PIRATE, "export", "{run}", "--parquet", "{here}/tables"),
     ("physics", "mujoco"): (PIRATE, "run", "mitre_bend", "--backend", "physics"),
     ("ros2", "rosbags"): (PIRATE, "export", "{run}", "--ros2", "{here}/bag"),

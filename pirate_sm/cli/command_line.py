@@ -45,6 +45,7 @@ COMMANDS = {
     "fit": ("estimates:FitOptions", "fit:run_fit"),
     "experiment": ("estimates:ExperimentOptions", "experiment:run_experiment"),
     "report": ("recordings:ReportOptions", "report:write_reports"),
+    "page": ("recordings:PageOptions", "page:serve_page"),
     "repair": ("recordings:RepairOptions", "repair:run_repair"),
     "camera print": ("devices:PrintOptions", "camera:print_sheets"),
     "camera calibrate": ("devices:CalibrateCameraOptions", "camera:calibrate_camera"),

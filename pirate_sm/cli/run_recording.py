@@ -111,11 +111,13 @@ class RecordingOptions:
         record: The file; None for the default name.
         off: Whether nothing is recorded.
         live: Whether viewers are served during the run.
+        page: Whether its page is.
     """
 
     record: str | None = None
     off: bool = False
     live: bool = False
+    page: bool = False
 
 
 @contextmanager
@@ -138,11 +140,7 @@ def recorded(
     if options.record is not None and options.off:
         raise UsageError("--record and --no-record exclude each other")
     began = datetime.now(UTC).astimezone()
-    where = None
-    if options.record is not None:
-        where = RecordingPlace(Path(options.record), named=True)
-    elif not options.off:
-        where = usual_place(prepared, began)
+    where = _place(prepared, options, began)
     if where is None and not options.live:
         yield Kept(prepared)
         return
@@ -158,12 +156,14 @@ def recorded(
             return
         place = path if file else None
         said = (f"recording: {shown(place)}",) if place else ()
-        recording = RunRecorder(prepared, header, file, live)
+        recording = RunRecorder(prepared, header, file, live, watched=options.page)
         recorder, side = recording.recorder, recording.side
         warner = Warner(recorder)
-        notices = (*prepared.notices, *served, *said)
-        kept = Kept(replace(prepared, notices=notices), recording, (warner,))
+        kept = Kept(prepared, recording, (warner,))
         try:
+            if options.page and place is not None:
+                served += _page(place, stack)
+            kept.prepared = replace(prepared, notices=(*prepared.notices, *served, *said))
             yield kept
         finally:
             recording.close(place, wanted=kept.wanted)
@@ -175,6 +175,22 @@ def recorded(
                 say(f"warning: viewers get incomplete data: {side.failure}")
 
 
+def _place(prepared: Prepared, options: RecordingOptions, began: datetime) -> RecordingPlace | None:
+    """Return where the run is recorded; None if it is not.
+
+    Raises:
+        UsageError: The page of the run is asked for, and nothing is recorded.
+    """
+    where = None
+    if options.record is not None:
+        where = RecordingPlace(Path(options.record), named=True)
+    elif not options.off:
+        where = usual_place(prepared, began)
+    if where is None and options.page:
+        raise UsageError("--page shows what is recorded, and nothing is")
+    return where
+
+
 def _live(options: RecordingOptions, stack: ExitStack) -> tuple[Live | None, tuple[str, ...]]:
     """Return the server for viewers, and notices about it."""
     if not options.live:
@@ -184,6 +200,19 @@ def _live(options: RecordingOptions, stack: ExitStack) -> tuple[Live | None, tup
     live = Live()
     stack.callback(live.close)
     return live, (f"live: open {live.address} in Foxglove or Lichtblick",)
+
+
+def _page(recording: Path, stack: ExitStack) -> tuple[str, ...]:
+    """Serve the page of the run, and return notices about it.
+
+    Raises:
+        UsageError: It cannot be served.
+    """
+    from pirate_sm.views.report.page_process import PageProcess
+
+    page = PageProcess(recording)
+    stack.callback(page.close)
+    return (f"page: open {page.address} in a browser",)
 
 
 def until_when(recorder: Recorder) -> str:

@@ -28,6 +28,7 @@ from pirate_sm.core.spelling import meant
 from pirate_sm.views.drawing.graph.graph import Graph, chart_graph, pipe_graph
 from pirate_sm.views.drawing.graph.highlight import Stop, highlight
 from pirate_sm.views.drawing.graph.mission_graph import called_missions, mission_graph
+from pirate_sm.views.drawing.pipe_plan import plan_svg
 from pirate_sm.views.drawing.svg.svg_writer import svg
 from pirate_sm.views.drawing.text_formats import dot, mermaid
 from pirate_sm.views.interchange.scxml import chart_scxml, mission_scxml
@@ -65,9 +66,20 @@ def draw_graph(options: GraphOptions) -> int:
         script = [options.counterexample] if options.counterexample is not None else []
         inputs = [_found(options.file), *script]
         refuse_losses([options.output], inputs=inputs, overwrite=options.overwrite)
-    text = _scxml(options) if kind == _SCXML else WRITERS[kind](_marked(options))
-    write_or_print(options.output, text)
+    write_or_print(options.output, _text(options, kind))
     return 0
+
+
+def _text(options: GraphOptions, kind: str) -> str:
+    """Return the drawing; that of a pipe is a plan to scale where it can be one."""
+    if kind == _SCXML:
+        return _scxml(options)
+    if kind == "svg" and options.path is None and options.counterexample is None:
+        path = _found(options.file)
+        content = _content(path, options)
+        if isinstance(content, Pipe):
+            return plan_svg(content, content.pipe or path.stem)
+    return WRITERS[kind](_marked(options))
 
 
 def _kind(output: Path | None) -> str:

@@ -95,7 +95,7 @@ def _shown(
     Returns:
         Its result, None if nothing could be written; its recording.
     """
-    recording = RecordingOptions(options.record, options.no_record, options.live)
+    recording = RecordingOptions(options.record, options.no_record, options.live, options.page)
     with ExitStack() as stack:
         panel = open_panel(prepared, requests, stack)
         kept = stack.enter_context(

@@ -112,6 +112,22 @@ class ReportOptions(CommandOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
+class PageOptions(CommandOptions):
+    """Show a run in browsers, also during the run.
+
+    The page is that of `pirate report`. Of two runs it shows both, aligned by what their missions
+    have reached. It needs the extra page. Ctrl-C ends it.
+
+    Exit codes: 0 ended by Ctrl-C, 2 a recording cannot be read or the page not be served.
+    """
+
+    recordings: list[str] = argument(
+        "RUN.mcap", candidates.recordings, "A recording, or two to be compared."
+    )
+    port: int | None = typed("Its port; 8790 otherwise, or any that is free.", min=0, max=65535)
+
+
+@dataclass(frozen=True, kw_only=True)
 class RepairOptions(CommandOptions):
     """Complete a recording that was cut short, in a new file.
 

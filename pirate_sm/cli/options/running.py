@@ -67,6 +67,9 @@ class RunOptions(_RobotRunOptions):
     mission: str | None = argument(
         "[MISSION]", candidates.missions, "A shipped mission's name, or a file.", default=None
     )
+    page: bool = ahead_of(
+        "jitter", flag("Serve the report to browsers on this machine, during the run.", "--page")
+    )
     resume: str | None = ahead_of(
         "jitter", option("RUN.mcap", candidates.recordings, "Resume an interrupted run.")
     )

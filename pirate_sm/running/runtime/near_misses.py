@@ -433,7 +433,14 @@ class NearMisses:
 
     def _look(self, event: Event | None, now_s: float, effects: Sequence[Effect]) -> None:
         state = self._state()
-        if state is None or self._over:
+        if state is not None:
+            self.look(state, event, now_s, effects)
+
+    def look(
+        self, state: EngineState, event: Event | None, now_s: float, effects: Sequence[Effect]
+    ) -> None:
+        """Look at a step of the engine and the state after it."""
+        if self._over:
             return
         self._over = state.mission.ending is not None or state.mission.ended
         moment = EngineStep(state, event, now_s, effects)

@@ -194,6 +194,7 @@ class RunRecorder:
         header: The header of the recording.
         file: The recording; None: only connected viewers get data.
         live: Serves viewers during the run; None: there are none.
+        watched: Whether another process reads the file meanwhile.
 
     Attributes:
         recorder: The tap that records every step.
@@ -206,6 +207,8 @@ class RunRecorder:
         header: RunHeader,
         file: RecordingFile | None,
         live: Live | None = None,
+        *,
+        watched: bool = False,
     ) -> None:
         from pirate_sm.running.recording.write.recorder import COMMIT_S, Recorder
         from pirate_sm.running.recording.write.recording_file import Nowhere, RecordingFile
@@ -218,7 +221,7 @@ class RunRecorder:
             header,
             real_time=prepared.backend.real_time,
             side=self.side,
-            commit_s=COMMIT_S if live is None else LIVE_S,
+            commit_s=LIVE_S if watched or live is not None else COMMIT_S,
         )
 
     def follow(self, prepared: Prepared, state: Callable[[], EngineState | None]) -> None:

@@ -7,12 +7,16 @@ on its left; z is up.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from pirate_sm.core.effects import MarkKind, SpanKind
 from pirate_sm.core.geometry import Place, Vector
 from pirate_sm.running.recording.viewers.pipe_walls import Outline, Rings
+from pirate_sm.views.drawing.pipe_views import NamedPoint, SideSeen, WayPoint
+
+if TYPE_CHECKING:
+    from pirate_sm.views.report.compared_report import SecondRun
 
 # --- pictures in space --------------------------------------------------------------------------
 
@@ -31,34 +35,6 @@ class FlatView(NamedTuple):
     poses: Sequence[Sequence[Place]]
     walls: tuple[tuple[Place, ...], ...] = ()
     outlines: tuple[Outline, ...] = ()
-
-
-class SideSeen(NamedTuple):
-    """A direction from which a network is drawn.
-
-    Attributes:
-        name: What is seen.
-        axes: The axis to the right and the axis up.
-        outlines: As in :class:`FlatView`.
-    """
-
-    name: str
-    axes: tuple[int, int]
-    outlines: tuple[Outline, ...]
-
-
-class WayPoint(NamedTuple):
-    """A point of the route's centre line, with the inner diameter there."""
-
-    point: Vector
-    diameter_m: float
-
-
-class NamedPoint(NamedTuple):
-    """A joint or an end, with its name."""
-
-    name: str
-    point: Vector
 
 
 @dataclass(frozen=True)
@@ -142,6 +118,7 @@ class Series:
         values: Values in the unit of the chart; NaN if unknown.
         stepped: Whether a value holds until the next one.
         main: Whether it is emphasized.
+        like: Number of the curve of the chart that this one is to be compared with; None: of none.
     """
 
     name: str
@@ -149,6 +126,7 @@ class Series:
     values: Sequence[float]
     stepped: bool = False
     main: bool = False
+    like: int | None = None
 
 
 @dataclass(frozen=True)
@@ -245,6 +223,18 @@ class Sentence(NamedTuple):
         return max(0.0, self.at_s - _BEFORE_S)
 
 
+class PhaseLines(NamedTuple):
+    """The lines of the mission's file that describe a phase or an end.
+
+    Attributes:
+        line: Number of the first one.
+        text: The lines.
+    """
+
+    line: int
+    text: str
+
+
 class Fact(NamedTuple):
     """A line of the details at the end of the page."""
 
@@ -266,12 +256,16 @@ class Photo(NamedTuple):
     jpeg: str
 
 
+Outcome: TypeAlias = Literal["succeeded", "failed", "interrupted", "fault", "unfinished", "running"]
+
+
 @dataclass(frozen=True)
 class Report:
     """Everything that a page shows.
 
     Attributes:
-        outcome: How the run ended; ``unfinished`` if the recording does not contain the end.
+        outcome: How the run ended; ``unfinished`` if the recording does not contain the end,
+            ``running`` while more is recorded.
         summary: A summary in a few sentences.
         warnings: Warnings that the reader must know first.
         duration_s: Time of the last event.
@@ -281,10 +275,14 @@ class Report:
         recording: Hash of the recording; empty without one.
         photos: What the camera saw when words of the detector began.
         gaps: From when until when nothing is known, as the recording was damaged there.
+        doubts: What a reader should look at though it was no failure: waits that were over as they
+            began, and what nearly went wrong.
+        other: The second run, in a report of two; everything else has both, or is of the first.
+        source: Name of the mission's file; ``lines`` are those of each phase and end in it.
     """
 
     title: str
-    outcome: Literal["succeeded", "failed", "interrupted", "fault", "unfinished"]
+    outcome: Outcome
     summary: tuple[str, ...]
     story: tuple[Sentence, ...]
     warnings: tuple[str, ...]
@@ -299,6 +297,10 @@ class Report:
     recording: str = ""
     photos: tuple[Photo, ...] = ()
     gaps: tuple[tuple[float, float], ...] = ()
+    doubts: tuple[Sentence, ...] = ()
+    other: SecondRun | None = None
+    source: str = ""
+    lines: Mapping[str, PhaseLines] = field(default_factory=dict)
 
     @property
     def failure(self) -> Sentence | None:
@@ -307,7 +309,5 @@ class Report:
 
     @property
     def opens_at_s(self) -> float:
-        """Return the time shown first: before a failure, at a sudden end, else the start."""
-        if self.failure is not None:
-            return self.failure.before_s
-        return self.duration_s if self.outcome in ("interrupted", "unfinished") else 0.0
+        """Return the time shown first: just before a failure, else the end."""
+        return self.duration_s if self.failure is None else self.failure.before_s

@@ -7,16 +7,20 @@ and scale, with the robot in the middle, as in thesis fig. 6-9.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from difflib import SequenceMatcher
 from html import escape
-from itertools import pairwise
-from typing import Literal, NamedTuple
+from itertools import pairwise, zip_longest
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from pirate_sm.core.geometry import Place
 from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.running.recording.viewers.viewer_messages import PICTURES
 from pirate_sm.views.report.contents import FlatView, Lane, Photo, Report, RobotScene
 from pirate_sm.views.report.timeline import COMMANDS, DETECTOR, PHASE
+
+if TYPE_CHECKING:
+    from pirate_sm.views.report.compared_report import SecondRun
 
 # --- the robot in its pipe ----------------------------------------------------------------------
 
@@ -40,8 +44,6 @@ _GRIP = 0.35
 """Width of the line in a link that is held, in thicknesses of the link."""
 
 _MM = 1e3
-
-_SEEN = "Above it is seen from above, below from the side. "
 
 
 class StripPicture(NamedTuple):
@@ -94,36 +96,87 @@ def strip(report: Report) -> str:
     """Return the strip as a section of a page; empty if the robot's position is unknown."""
     if report.scene is None:
         return ""
-    shown = pictures(report)
-    times_s = [each.at_s for each in shown]
-    drawings = [
-        _Drawing(report.scene, view, f"pipes-{number}", times_s)
-        for number, view in enumerate(report.scene.views)
-    ]
-    items = "\n".join(
-        _item(each, "".join(drawing.at(each.at_s) for drawing in drawings)) for each in shown
-    )
-    pipes = "".join(drawing.pipes for drawing in drawings)
+    pipes, shown = _drawn(report, report.scene, "pipes")
+    title, items = "From phase to phase", [f"<li{kind}>{text}</li>" for _, kind, text in shown]
+    if report.other is not None:
+        title = "From phase to phase, A above B"
+        more, items = _pairs(report.other, shown)
+        pipes += more
     return (
         '<section class="wide" aria-labelledby="strip-title">\n'
-        '<h2 id="strip-title">From phase to phase</h2>\n'
+        f'<h2 id="strip-title">{title}</h2>\n'
         '<p class="hint">The robot as each phase, and each command that took long, was done. '
-        f"{_SEEN if len(drawings) > 1 else ''}"
+        f"{_seen(report.scene)}"
         "Filled: the front wheel; a line in a link: held. "
         '<span class="how">Choose a picture to go to its time.</span></p>\n'
         f"{pipes}"
-        f'<ol class="strip">\n{items}\n</ol>\n</section>'
+        '<ol class="strip">\n' + "\n".join(items) + "\n</ol>\n</section>"
     )
 
 
-def _item(it: StripPicture, drawing: str) -> str:
+class _Item(NamedTuple):
+    """A picture with its title, as HTML."""
+
+    title: str
+    kind: str
+    text: str
+
+
+def _drawn(
+    report: Report, scene: RobotScene, name: str, clock: Callable[[float], float] = float
+) -> tuple[str, list[_Item]]:
+    """Return what all pictures use, and the pictures.
+
+    Args:
+        report: The report.
+        scene: Its scene.
+        name: What its pipes are called in the page.
+        clock: Returns the time to which a picture leads.
+    """
+    shown = pictures(report)
+    times_s = [each.at_s for each in shown]
+    drawings = [
+        _Drawing(scene, view, f"{name}-{number}", times_s)
+        for number, view in enumerate(scene.views)
+    ]
+    items = [
+        _item(each, "".join(drawing.at(each.at_s) for drawing in drawings), clock(each.at_s))
+        for each in shown
+    ]
+    return "".join(drawing.pipes for drawing in drawings), items
+
+
+def _pairs(second: SecondRun, ours: Sequence[_Item]) -> tuple[str, list[str]]:
+    """Return what the pictures of the second run use, and those of both in pairs by title."""
+    pipes, theirs = "", list[_Item]()
+    if second.report.scene is not None:
+        pipes, theirs = _drawn(second.report, second.report.scene, "pipes-b", second.clock.at)
+    found = []
+    titles = [each.title for each in ours], [each.title for each in theirs]
+    for _, a0, a1, b0, b1 in SequenceMatcher(None, *titles, autojunk=False).get_opcodes():
+        for a, b in zip_longest(ours[a0:a1], theirs[b0:b1]):
+            texts = (f"{a.text if a else '<span></span>'}{b.text if b else '<span></span>'}",)
+            found.append(f'<li class="pair">{"".join(texts)}</li>')
+    return pipes, found
+
+
+def _seen(scene: RobotScene) -> str:
+    """Return from where the robot is seen, as a sentence; empty in the plane of a planar pipe."""
+    names = [view.name for view in scene.views if view.name]
+    if len(names) > 1:
+        return "Above it is seen from above, below from the side. "
+    return f"It is seen {names[0][:1].lower()}{names[0][1:]}. " if names else ""
+
+
+def _item(it: StripPicture, drawing: str, leads_to_s: float) -> _Item:
     sign = "✗ " if it.kind == "failed" or it.title.endswith(" failed") else ""
     about = f"<small>{_breaking(it.about)}</small>" if it.about else ""
-    return (
-        f'<li class="{"failed" if sign else it.kind}">'
-        f'<button type="button" data-at="{it.at_s:.3f}">{drawing}'
-        f"<b>{sign}{_breaking(it.title)}</b>{about}<time>{it.at_s:.2f} s</time></button></li>"
+    kind = f' class="{"failed" if sign else it.kind}"'
+    text = (
+        f'<button type="button" data-at="{leads_to_s:.3f}">{drawing}'
+        f"<b>{sign}{_breaking(it.title)}</b>{about}<time>{it.at_s:.2f} s</time></button>"
     )
+    return _Item(it.title, kind, text)
 
 
 def _breaking(name: str) -> str:

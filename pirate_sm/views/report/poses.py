@@ -5,46 +5,34 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import repeat
-from math import degrees
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.events import InSpace
-from pirate_sm.core.geometry import Frame, Place, Route, RouteJoint, drawn_walls
+from pirate_sm.core.geometry import Place, Route, drawn_walls
 from pirate_sm.core.models import Pipe, Profile
 from pirate_sm.core.robot import RobotSpec, RobotState, confirmed_parts
 from pirate_sm.running.recording.signal_names import add_evenly
 from pirate_sm.running.recording.viewers.pipe_walls import (
-    outlines,
     part_normals,
-    plain_tubes,
     seen_in,
     upright,
     walls_in_space,
 )
 from pirate_sm.running.recording.viewers.viewer_messages import WheelPlacing
+from pirate_sm.views.drawing.pipe_views import centre_line, named_points, sides
 from pirate_sm.views.report.charts import Samples, TravelChart
 from pirate_sm.views.report.contents import (
     DrawnWheel,
     Lane,
     Light,
-    NamedPoint,
     RobotScene,
     Series,
-    SideSeen,
     SpaceScene,
     Span,
-    WayPoint,
 )
 
 # --- in space -----------------------------------------------------------------------------------
-
-
-_WAY_M = 0.05
-"""The most between two points of the centre line."""
-
-_FLATTER = 0.5
-"""A network that is deeper than wide by this factor is drawn from its other side."""
 
 
 def space_scene(
@@ -77,50 +65,10 @@ def space_scene(
             tuple(tuple(seen_in(frame, point) for point in ring) for ring in rings)
             for rings in walls_in_space(route.network, route.placement)
         ),
-        sides=_sides(route, frame),
-        way=tuple(_way(route, frame)),
-        names=tuple(_names(route, frame)),
+        sides=sides(route, frame),
+        way=tuple(centre_line(route, frame)),
+        names=tuple(named_points(route, frame)),
     )
-
-
-def _sides(route: Route, frame: Frame) -> tuple[SideSeen, ...]:
-    tubes = [
-        tuple(tuple(seen_in(frame, point) for point in ring) for ring in rings)
-        for rings in plain_tubes(route.placement)
-    ]
-    wide_m, deep_m = (
-        max(values) - min(values)
-        for values in (
-            [point[axis] for rings in tubes for ring in rings for point in ring] for axis in (0, 1)
-        )
-    )
-    level = 0 if wide_m >= _FLATTER * deep_m else 1
-    views = (("From above", (0, 1)), ("From the side", (level, 2)))
-    return tuple(SideSeen(name, axes, outlines(tubes, axes)) for name, axes in views)
-
-
-def _way(route: Route, frame: Frame) -> Iterator[WayPoint]:
-    for piece in route.pieces:
-        steps = 1 if piece.arc is None and piece.ends_with_m == piece.diameter_m else 0
-        steps = steps or max(2, round(piece.length_m / _WAY_M))
-        for number in range(steps + 1):
-            arc_m = piece.arc_m + piece.length_m * number / steps
-            point = seen_in(frame, piece.point(arc_m))
-            yield WayPoint(point, piece.diameter_at(arc_m))
-
-
-def _names(route: Route, frame: Frame) -> Iterator[NamedPoint]:
-    yield NamedPoint("begins", seen_in(frame, route.frame_at(0.0).origin))
-    for joint in route.joints:
-        yield NamedPoint(joint_name(joint), seen_in(frame, route.frame_at(joint.arc_m).origin))
-    yield NamedPoint("ends", seen_in(frame, route.frame_at(route.length_m).origin))
-
-
-def joint_name(joint: RouteJoint) -> str:
-    """Return the label of a joint: ``mitre 90°``, or a tee by its name."""
-    if joint.junction:
-        return joint.junction
-    return f"{joint.kind} {degrees(joint.turn_rad):z.0f}°" if joint.turn_rad else joint.kind
 
 
 # --- in a plane ---------------------------------------------------------------------------------
@@ -208,18 +156,30 @@ class ReckonedPath:
                 self.poses.add(now_s, points)
 
 
-def travel_of(poses: Poses, pipe: Pipe | None) -> TravelChart | None:
-    """Return the distances of the wheels and their middle along the pipe; None if unknown."""
+Arcs: TypeAlias = tuple[float, ...]
+"""How far along the pipe each wheel is, m."""
+
+
+def travel_of(
+    poses: Poses, pipe: Pipe | None, known: dict[SampledPose, Arcs] | None = None
+) -> TravelChart | None:
+    """Return the distances of the wheels and their middle along the pipe; None if unknown.
+
+    Args:
+        poses: The robot over time.
+        pipe: The pipe.
+        known: Keeps what was found of each pose for a call with more of them.
+    """
     if pipe is None or not poses.times_s:
         return None
-    route, times = pipe.route(), poses.times_s
-    places = [
-        [
-            route.arc_of((x, y, z))
-            for (x, y), z in zip(points, space.z_m if space else repeat(0.0), strict=False)
-        ]
-        for points, space in poses.kept
-    ]
+    route, times, known = pipe.route(), poses.times_s, {} if known is None else known
+    for pose in poses.kept:
+        if pose not in known:
+            heights = pose.space.z_m if pose.space else repeat(0.0)
+            known[pose] = tuple(
+                route.arc_of((x, y, z)) for (x, y), z in zip(pose.points, heights, strict=False)
+            )
+    places = [known[pose] for pose in poses.kept]
     middles = [sum(each) / len(each) for each in places]
     distance = [middle - middles[0] for middle in middles]
     name = "really" if poses.true else "reckoned"
@@ -301,20 +261,21 @@ class Holding:
         return closed
 
     def lanes(self, until_s: float) -> tuple[Lane, ...]:
-        """Return one lane for each part, until the end."""
-        for part in tuple(self._since):
-            self._close(part, until_s)
+        """Return one lane for each part, until this time."""
         return tuple(
-            Lane(name, tuple(spans))
-            for name, spans in zip(self._robot.parts, self._spans, strict=True)
+            Lane(name, (*spans, *self._held(part, until_s)))
+            for part, (name, spans) in enumerate(zip(self._robot.parts, self._spans, strict=True))
         )
 
     def _close(self, part: int, at_s: float) -> None:
+        self._spans[part] += self._held(part, at_s)
+        self._since.pop(part, None)
+
+    def _held(self, part: int, until_s: float) -> Iterator[Span]:
+        """Yield the span in which the part has held so far, if it does."""
         if part in self._since:
-            since_s, confirmed = self._since.pop(part)
-            span = (
-                Span(since_s, at_s, "held", "state")
-                if confirmed
-                else Span(since_s, at_s, "held, unconfirmed", "unconfirmed")
-            )
-            self._spans[part].append(span)
+            since_s, confirmed = self._since[part]
+            if confirmed:
+                yield Span(since_s, until_s, "held", "state")
+            else:
+                yield Span(since_s, until_s, "held, unconfirmed", "unconfirmed")

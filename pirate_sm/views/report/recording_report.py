@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from math import isnan, nan
+from math import inf, isnan, nan
+from pathlib import Path
 from typing import Any
 
 from pirate_sm.core import effects as fx
@@ -27,14 +28,24 @@ from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.replay import Rerun, rerun, same
 from pirate_sm.running.recording.viewers.viewer_messages import WheelPlacing
-from pirate_sm.views.drawing.graph.highlight import RunPath, highlight
+from pirate_sm.running.runtime.near_misses import NearMisses
+from pirate_sm.views.drawing.graph.highlight import RunPath, Stop, highlight
 from pirate_sm.views.drawing.graph.mission_graph import mission_graph
 from pirate_sm.views.drawing.svg.svg_writer import svg
 from pirate_sm.views.report.charts import Measured, Samples, TravelChart, charts
 from pirate_sm.views.report.contents import Fact, Report, Sentence
 from pirate_sm.views.report.film_strip import photos_of
-from pirate_sm.views.report.poses import Holding, Poses, ReckonedPath, scene_of, travel_of
-from pirate_sm.views.report.story import RunEnding, RunFacts, Story, summary
+from pirate_sm.views.report.phase_lines import phase_lines
+from pirate_sm.views.report.poses import (
+    Arcs,
+    Holding,
+    Poses,
+    ReckonedPath,
+    SampledPose,
+    scene_of,
+    travel_of,
+)
+from pirate_sm.views.report.story import RunEnding, RunFacts, Story, full_stop, summary
 from pirate_sm.views.report.timeline import Timeline
 
 # --- contents of a run --------------------------------------------------------------------------
@@ -42,6 +53,9 @@ from pirate_sm.views.report.timeline import Timeline
 
 _MOST_CAUSES = 3
 """The most failures that are shown: the last ones."""
+
+_NEAR, _MOST_MISSES = 0.95, 3
+"""From which share of its limit on a miss is shown, and of how many kinds: the nearest."""
 
 _MOST_CLAMPS = 6
 """The most moments at which the interval of normal forces is shown: the last ones."""
@@ -81,18 +95,27 @@ def gather(
         steps: The replayed steps.
         seen: The robot's true positions; None if unknown.
     """
-    run = _Run(loaded, about, reckons=seen is None)
+    run = RunContents(loaded, about, estimates=seen is None)
     for again in steps:
         run.take(again)
     return run.report(seen)
 
 
-class _Run:
-    """Collects the contents while a run is replayed."""
+class RunContents:
+    """Collects the contents while a run is replayed.
 
-    def __init__(self, loaded: LoadedMission, about: About, *, reckons: bool) -> None:
+    Args:
+        loaded: The mission of the run.
+        about: Facts about the run.
+        estimates: Whether its position is estimated from its joints and its odometer.
+
+    Attributes:
+        about: Facts about the run.
+    """
+
+    def __init__(self, loaded: LoadedMission, about: About, *, estimates: bool) -> None:
         robot, profile = loaded.robot, loaded.loaded_robot.profile
-        self._loaded, self._about = loaded, about
+        self._loaded, self.about = loaded, about
         self._state: EngineState | None = None
         self._signals = Samples(len(robot.vocabulary.numbers))
         self._setpoints = Samples(len(robot.slots))
@@ -102,11 +125,15 @@ class _Run:
         self._way = RunPath()
         self._holding = Holding(robot)
         self._clamped: deque[tuple[float, EngineState]] = deque(maxlen=_MOST_CLAMPS)
+        self._forces: dict[float, str] = {}
+        self._arcs: dict[SampledPose, Arcs] = {}
+        self._near, self._origin_s = NearMisses(robot, loaded.program), 0.0
+        self._drawn: tuple[tuple[Stop, ...], str] | None = None
         placing = WheelPlacing(profile, robot, loaded.pipe, about.first_wheel_m)
         self._following = ReckonedPath(placing)
         # Dead reckoning stays in the plane of the drawing.
         flat = loaded.pipe is None or bool(drawn_walls(loaded.pipe.route()))
-        self._reckons = reckons and flat and not about.nominal
+        self._reckons = estimates and flat and not about.nominal
         self._at_s = 0.0
         self._doubt = ""
         self._ended: fx.Ended | None = None
@@ -124,6 +151,9 @@ class _Run:
         self._at_s = max(self._at_s, at_s)
         if again.state is not None:
             self._look(again.state, step.event, at_s)
+            self._origin_s = step.at_s - at_s
+            if step.by == "start" or step.event is not None:
+                self._near.look(again.state, step.event, step.at_s, step.effects)
         if not self._doubt and not same(step.effects, again.effects):
             self._doubt = (
                 f"From {at_s:.2f} s on this version of the program differs from the "
@@ -160,54 +190,66 @@ class _Run:
         if cause and (not self._causes or cause != self._causes[-1].text):
             self._causes.append(Sentence(at_s, cause, "trouble", self._timeline.phase))
 
-    def report(self, seen: Poses | None) -> Report:
-        """Return the report."""
-        loaded, about, until_s = self._loaded, self._about, self._at_s
+    def report(self, seen: Poses | None, *, under_way: bool = False) -> Report:
+        """Return the report of what was taken in so far.
+
+        Args:
+            seen: The robot's true positions; None if unknown.
+            under_way: Whether the run may still continue.
+        """
+        loaded, about, until_s = self._loaded, self.about, self._at_s
         robot, profile = loaded.robot, loaded.loaded_robot.profile
         poses = seen or self._following.poses
-        travel = travel_of(poses, loaded.pipe)
+        travel = travel_of(poses, loaded.pipe, self._arcs)
         sampled = self._signals, self._setpoints
         measured = Measured(profile, robot, *sampled, until_s, travel, self._bounds())
-        ending = self._ending()
+        ending = self._ending(under_way=under_way)
         lanes = self._timeline.lanes(until_s)
         held = self._holding.lanes(until_s)
         scene = scene_of(poses, profile, robot, loaded.pipe, *sampled, held)
-        graph = highlight(mission_graph(loaded.mission), self._way.stops)
+        source = loaded.documents[0]
         return Report(
             title=loaded.mission.mission,
             outcome=ending.outcome,
             summary=summary(self._run_facts(ending, travel)),
             story=self._story.finish(ending),
-            warnings=(*about.warnings, *self._doubts(seen)),
+            warnings=(*about.warnings, *self._doubts(seen, under_way=under_way)),
             duration_s=until_s,
             lanes=lanes,
             charts=charts(measured),
             scene=scene,
-            diagram=svg(graph),
+            diagram=self._diagram(),
             facts=about.facts,
             files=about.files,
             failures=self._failures(),
+            doubts=() if about.nominal else tuple(self._look_twice()),
+            source=Path(source.name).name,
+            lines=phase_lines(source, loaded.mission),
         )
+
+    def _diagram(self) -> str:
+        """Return the mission with the path taken; it is drawn when that has changed."""
+        stops = tuple(self._way.stops)
+        if self._drawn is None or self._drawn[0] != stops:
+            self._drawn = stops, svg(highlight(mission_graph(self._loaded.mission), stops))
+        return self._drawn[1]
 
     def _bounds(self) -> str:
         """Return in words between which values the normal forces lay when clamps had closed."""
-        try:
-            found = {
-                at_s: clamp_forces(self._loaded, state, self._about.options)
-                for at_s, state in self._clamped
-            }
-        except PirateError as error:
-            return f"Between which values they may lie is not shown: {error}."
-        moments = (
-            f"At {at_s:.2f} s: {', '.join(map(in_words, forces))}."
-            for at_s, forces in found.items()
-            if forces
-        )
-        return " ".join(moments)
+        for at_s, state in self._clamped:
+            if at_s in self._forces:
+                continue
+            try:
+                forces = clamp_forces(self._loaded, state, self.about.options)
+            except PirateError as error:
+                return f"Between which values they may lie is not shown: {error}."
+            words = f"At {at_s:.2f} s: {', '.join(map(in_words, forces))}." if forces else ""
+            self._forces[at_s] = words
+        return " ".join(filter(None, (self._forces[at_s] for at_s, _ in self._clamped)))
 
-    def _ending(self) -> RunEnding:
+    def _ending(self, *, under_way: bool) -> RunEnding:
         if self._ended is None:
-            return RunEnding("unfinished", "", self._at_s)
+            return RunEnding("running" if under_way else "unfinished", "", self._at_s)
         return RunEnding(self._ended.outcome, self._ended.message, self._at_s)
 
     def _failures(self) -> tuple[Sentence, ...]:
@@ -221,22 +263,32 @@ class _Run:
     def _run_facts(self, ending: RunEnding, travel: TravelChart | None) -> RunFacts:
         loaded, story, robot = self._loaded, self._story, self._loaded.robot
         odometer = nan
-        if self._state is not None and robot.odometry >= 0 and not self._about.nominal:
+        if self._state is not None and robot.odometry >= 0 and not self.about.nominal:
             odometer = self._state.sensing.numbers[robot.odometry]
         moved = travel.distance.values[-1] if travel is not None and travel.true else None
         names = loaded.mission.mission, loaded.mission.description, robot.name
         ways_m = None if isnan(odometer) else odometer, moved
-        counts, faults, at_once = story.counts, story.faults, story.at_once
-        return RunFacts(*names, self._about.where, ending, *ways_m, counts, faults, at_once)
+        return RunFacts(*names, self.about.where, ending, *ways_m, story.counts, story.faults)
 
-    def _doubts(self, seen: Poses | None) -> tuple[str, ...]:
+    def _look_twice(self) -> Iterator[Sentence]:
+        """Yield the waits that were over as they began, and the nearest misses, each kind once."""
+        seen = set()
+        for each in self._story.at_once:
+            if (each.topic, each.text) not in seen:
+                seen.add((each.topic, each.text))
+                yield each
+        misses = [each for each in self._near.nearest() if _NEAR <= each.share < 1.0]
+        for miss in misses[:_MOST_MISSES]:
+            yield Sentence(miss.at_s - self._origin_s, full_stop(miss.text), "trouble")
+
+    def _doubts(self, seen: Poses | None, *, under_way: bool) -> tuple[str, ...]:
         doubts = [self._doubt] if self._doubt else []
-        if self._state is None:
+        if self._state is None and not under_way:
             doubts.append(
                 "Of the run itself nothing is in the recording, so there is nothing to show: it "
                 "ends before the engine was started."
             )
-        elif self._about.nominal:
+        elif self.about.nominal:
             doubts.append("Nothing moved: commands ended by their nominal time.")
         elif seen is None and self._following.poses.times_s:
             doubts.append(
@@ -298,10 +350,16 @@ def about_run(header: RunHeader, loaded: LoadedMission, notices: Iterable[str] =
 def known_poses(recording: Recording, loaded: LoadedMission) -> Poses | None:
     """Return the robot's true positions from a simulator; None if they are unknown."""
     poses = Poses(true=True)
-    for placed in recorded_places(recording, loaded.loaded_robot.profile.body):
-        if placed.known:
-            poses.add(placed.at_s, placed.wheels, placed.space)
+    add_known(poses, recording, loaded)
     return poses if poses.times_s else None
+
+
+def add_known(poses: Poses, recording: Recording, loaded: LoadedMission) -> None:
+    """Add the true positions that the recording has after the last of these."""
+    since_s = poses.times_s[-1] if poses.times_s else -inf
+    for placed in recorded_places(recording, loaded.loaded_robot.profile.body, since_s):
+        if placed.known and placed.at_s > since_s:
+            poses.add(placed.at_s, placed.wheels, placed.space)
 
 
 def _warnings(header: RunHeader, notices: Iterable[str]) -> Iterator[str]:

@@ -18,6 +18,7 @@ from pirate_sm.views.report.contents import (
     DrawnWheel,
     Lane,
     Light,
+    Outcome,
     Report,
     RobotScene,
     Sentence,
@@ -104,6 +105,9 @@ def report_json(report: Report) -> Json:
         "charts": [_chart(each, clocks) for each in report.charts],
         "scene": _scene(report.scene, clocks) if report.scene else None,
         "gaps": [[_seconds(each) for each in gap] for gap in report.gaps],
+        "running": report.outcome == "running",
+        "source": report.source,
+        "lines": {name: [*each] for name, each in report.lines.items()},
     }
     return {**found, "clocks": clocks.written}
 
@@ -136,13 +140,14 @@ def _chart(chart: Chart, clocks: _Clocks) -> Json:
 
 def _series(series: Series, digits: int, clocks: _Clocks) -> Json:
     values = [_number(value, digits) for value in series.values]
-    return {
+    found = {
         "name": series.name,
         "clock": clocks.number(series.times_s),
         "values": values,
         "stepped": series.stepped,
         "main": series.main,
     }
+    return found if series.like is None else {**found, "like": series.like}
 
 
 def _number(value: float, digits: int) -> float | int | None:
@@ -279,6 +284,7 @@ SIGNS = {
     "interrupted": ("■", "Interrupted"),
     "fault": ("!", "Ended by a fault"),
     "unfinished": ("…", "Unfinished"),
+    "running": ("▶", "Running"),
 }
 """Sign and words for each outcome."""
 
@@ -287,37 +293,61 @@ _SPEEDS = (0.25, 0.5, 1, 2, 4, 8, 16)
 _SCRIPTS = ("base.js", "scene.js", "timeline.js", "plots.js", "player.js")
 
 
-def html(report: Report) -> str:
-    """Return the page as HTML."""
-    sign, outcome = SIGNS[report.outcome]
-    in_space = report.scene is not None and report.scene.space is not None
-    names = (*_SCRIPTS, "space.js") if in_space else _SCRIPTS
+def fragments(report: Report) -> dict[str, str]:
+    """Return the parts of the page that are HTML made of the report, by their names."""
+    short = escape(report.summary[0] if report.summary else "")
+    endings = _badge(report.outcome)
+    if report.other is not None:
+        endings = f"{_badge(report.outcome, 'A ')}{_badge(report.other.report.outcome, 'B ')}"
+    return {
+        "ending": f'{endings}\n<p class="short">{short}</p>',
+        "words": "\n".join((*map(_warning, report.warnings), *_summary(report))),
+        "robot": _robot(report.scene),
+        "space": (PAGE / "space.html").read_text("utf-8") if _is_in_space(report) else "",
+        "strip": strip(report),
+        "seen": seen_words(report.photos),
+        "story": "\n".join(_story(report)),
+        "diagram": report.diagram,
+        "facts": "\n".join(_facts(report)),
+    }
+
+
+def _badge(outcome: Outcome, whose: str = "") -> str:
+    sign, text = SIGNS[outcome]
+    return f'<p class="outcome {outcome}">{whose}<span aria-hidden="true">{sign}</span> {text}</p>'
+
+
+def _is_in_space(report: Report) -> bool:
+    return report.scene is not None and report.scene.space is not None
+
+
+def html(report: Report, version: int | None = None) -> str:
+    """Return the page as HTML.
+
+    Args:
+        report: The report.
+        version: Number of the report among those of a run that is under way, for a page that asks
+            its server for what has changed since; None: it needs no server.
+    """
+    served, data = version is not None, report_json(report)
+    in_space = _is_in_space(report)
+    names = [*_SCRIPTS, *(["space.js"] if in_space else []), *(["live.js"] if served else [])]
     script = "\n".join((PAGE / name).read_text("utf-8") for name in names)
     libraries = [plot_script(), *([three_script()] if in_space else [])]
     return Template((PAGE / "page.html").read_text("utf-8")).substitute(
         generator=f"pirate-sm {escape(__version__)}",
         recording=escape(report.recording),
         title=escape(report.title),
-        outcome=outcome,
-        kind=report.outcome,
-        sign=sign,
-        short=escape(report.summary[0] if report.summary else ""),
+        outcome=SIGNS[report.outcome][1],
+        connect="; connect-src 'self'" if served else "",
         style=f"{plot_style()}\n{page_style()}",
-        summary="\n".join(_summary(report)),
-        warnings="\n".join(_warning(line) for line in report.warnings),
-        story="\n".join(_story(report)),
-        robot=_robot(report.scene),
-        strip=strip(report),
-        seen=seen_words(report.photos),
-        diagram=report.diagram,
-        facts="\n".join(_facts(report)),
         duration=f"{report.duration_s:.3f}",
         step=f"{_step(report.duration_s):g}",
         speeds="".join(_speed(each) for each in _SPEEDS),
-        data=_inside_script(report_json(report)),
-        space=(PAGE / "space.html").read_text("utf-8") if in_space else "",
+        data=_inside_script({**data, "version": version} if served else data),
         library="\n".join(libraries),
         script=f"(() => {{\n'use strict';\n{script}\n}})();",
+        **fragments(report),
     )
 
 
@@ -328,15 +358,24 @@ def _warning(line: str) -> str:
 def _summary(report: Report) -> Iterable[str]:
     """Return the summary with the failures, without the first sentence, which the header has."""
     lines = [f"<p>{escape(line)}</p>" for line in report.summary[1:]]
-    return [*lines[:1], *map(_failure, report.failures), *lines[1:]]
+    return [*lines[:1], *map(_failure, report.failures), *map(_doubt, report.doubts), *lines[1:]]
 
 
 def _failure(failure: Sentence) -> str:
-    where = f"in <b>{escape(failure.topic)}</b>: " if failure.topic else ""
+    return _pointed(failure, failure.before_s, "cause", "✗")
+
+
+def _doubt(doubt: Sentence) -> str:
+    return _pointed(doubt, doubt.at_s, "doubt", "△")
+
+
+def _pointed(it: Sentence, at_s: float, kind: str, sign: str) -> str:
+    """Return a sentence that leads to its time."""
+    where = f"in <b>{escape(it.topic)}</b>: " if it.topic else ""
     return (
-        f'<p class="cause"><button type="button" data-at="{failure.before_s:.3f}">'
-        f'{failure.at_s:.2f} s</button> <span><span class="sign" aria-hidden="true">✗</span> '
-        f"{where}{escape(failure.text)}</span></p>"
+        f'<p class="{kind}"><button type="button" data-at="{at_s:.3f}">'
+        f'{it.at_s:.2f} s</button> <span><span class="sign" aria-hidden="true">{sign}</span> '
+        f"{where}{escape(it.text)}</span></p>"
     )
 
 
@@ -373,7 +412,7 @@ def _canvases(scene: RobotScene, about: str) -> str:
     return "".join(
         f'<figure><figcaption>{view.name}</figcaption><canvas id="{name}" role="img" '
         f'aria-label="{about}, {view.name[:1].lower()}{view.name[1:]}"></canvas></figure>'
-        for name, view in zip(("scene", "scene-side"), scene.views, strict=True)
+        for name, view in zip(("scene", "scene-side"), scene.views, strict=False)
     )
 
 

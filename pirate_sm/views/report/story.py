@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from typing import Literal, NamedTuple
 
 from pirate_sm.core import effects as fx
 from pirate_sm.core import events as ev
 from pirate_sm.core.spelling import listed
-from pirate_sm.views.report.contents import Sentence
+from pirate_sm.views.report.contents import Outcome, Sentence
 from pirate_sm.views.report.timeline import operator_action
 
 # --- phrases ------------------------------------------------------------------------------------
@@ -43,7 +44,7 @@ def full_stop(text: str) -> str:
 class RunEnding(NamedTuple):
     """How a run ended, as far as the recording goes."""
 
-    outcome: Literal["succeeded", "failed", "interrupted", "fault", "unfinished"]
+    outcome: Outcome
     message: str
     at_s: float
 
@@ -57,7 +58,6 @@ class RunFacts(NamedTuple):
         moved_m: True distance of the robot, None if unknown.
         counts: Number of commands for each final status.
         faults: Number of reports of each fault, by code.
-        at_once: The waits that were over as they began.
     """
 
     mission: str
@@ -69,7 +69,6 @@ class RunFacts(NamedTuple):
     moved_m: float | None
     counts: Mapping[str, int]
     faults: Mapping[str, int]
-    at_once: Sequence[str] = ()
 
 
 ENDED = {
@@ -78,6 +77,7 @@ ENDED = {
     "interrupted": "It was interrupted after",
     "fault": "A fault ended it after",
     "unfinished": "The recording breaks off after",
+    "running": "It has run for",
 }
 
 
@@ -89,9 +89,6 @@ def summary(it: RunFacts) -> tuple[str, ...]:
         f"{it.mission}{purpose} ran on {it.robot} {it.where}.",
         f"{ENDED[it.ending.outcome]} {seconds(it.ending.at_s)}{full_stop(message)}",
     ]
-    if it.at_once:
-        waits = number_of(len(it.at_once), "wait was", "waits were")
-        lines.append(f"{waits} over after 0.00 s: {listed(tuple(dict.fromkeys(it.at_once)))}.")
     ways = []
     if it.moved_m is not None:
         back = "back " if round(it.moved_m, 2) < 0 else ""
@@ -143,14 +140,14 @@ class Story:
         nominal: Whether commands ended after their nominal duration.
 
     Attributes:
-        at_once: The phases whose wait was over as it began, with the reason.
+        at_once: The waits that were over as they began, with the reason.
     """
 
     def __init__(self, descriptions: Mapping[str, str], *, nominal: bool) -> None:
         self.sentences: list[Sentence] = []
         self.counts: dict[str, int] = {}
         self.faults: dict[str, int] = {}
-        self.at_once: list[str] = []
+        self.at_once: list[Sentence] = []
         self._descriptions = descriptions
         self._nominal = nominal
         self._phase = ""
@@ -190,8 +187,15 @@ class Story:
                 pass
 
     def finish(self, ending: RunEnding) -> tuple[Sentence, ...]:
-        """Return the whole story, in order."""
+        """Return the whole story so far, in order."""
+        done = copy(self)
+        done.sentences = [*self.sentences]
+        return done._end(ending)
+
+    def _end(self, ending: RunEnding) -> tuple[Sentence, ...]:
         self._close(ending.at_s, "")
+        if ending.outcome == "running":
+            return tuple(self.sentences)
         words = {**ENDED, "interrupted": "Interrupted after", "fault": "A fault ended it after"}
         opening = words[ending.outcome].removeprefix("It ").capitalize()
         tail = full_stop(f": {ending.message}" if ending.message else "")
@@ -241,7 +245,8 @@ class Story:
     def _fired(self, at_s: float, it: fx.TriggerFired) -> None:
         reason = it.seen(nominal=self._nominal).reason
         if at_s == self._waits_since and not self._nominal:
-            self.at_once.append(f"{it.phase} ({reason})")
+            text = f"The wait was over after 0.00 s ({reason})."
+            self.at_once.append(Sentence(at_s, text, "trouble", it.phase))
         self._close(at_s, f"({reason}), then {it.go}")
 
     def _command(self, at_s: float, it: fx.CommandStatus) -> None:

@@ -59,6 +59,13 @@ class _Track:
         else:
             self.end(at_s)
 
+    def ended(self, at_s: float) -> _Track:
+        """Return a copy whose open span ends here."""
+        track = _Track()
+        track.spans, track.marks, track._open = [*self.spans], [*self.marks], self._open
+        track.end(at_s)
+        return track
+
     def mark(self, at_s: float, text: str, kind: MarkKind, about: str = "") -> None:
         """Add a mark."""
         self.marks.append(TimelineMark(at_s, text, kind, about))
@@ -131,10 +138,10 @@ class Timeline:
         return self._tracks[PHASE].current
 
     def lanes(self, until_s: float) -> tuple[Lane, ...]:
-        """Return the lanes that are not empty, in order; open spans end at ``until_s``."""
+        """Return the lanes that are not empty, in order; open spans reach to ``until_s``."""
         found = []
-        for name, track in self._tracks.items():
-            track.end(until_s)
+        for name, open_track in self._tracks.items():
+            track = open_track.ended(until_s)
             if track.spans or track.marks:
                 shown = name.removeprefix(_REGION)
                 found.append(Lane(shown, tuple(track.spans), tuple(track.marks)))

@@ -58,6 +58,11 @@ def _no_progress(share: float) -> None:
     """Do nothing with the progress."""
 
 
+def _no_more() -> bool:
+    """Return that nothing more comes."""
+    return False
+
+
 @dataclass(frozen=True)
 class Recording:
     """A recording whose header has been read.
@@ -70,12 +75,14 @@ class Recording:
         header: The set-up of the run, with every text that it was made from.
         content: The places of everything in the file.
         watch: Receives the share of the recording that has been read, from 0 to 1.
+        more: Is called when all pieces have been read; returns whether there are more by now.
     """
 
     path: Path
     header: RunHeader
     content: Content = field(repr=False)
     watch: Callable[[float], None] = field(default=_no_progress, repr=False)
+    more: Callable[[], bool] = field(default=_no_more, repr=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Another process reads the file itself: what this one has read stays here.
@@ -295,9 +302,11 @@ class Recording:
 
     def _pieces(self, first: int) -> Iterator[tuple[int, list[Message]]]:
         """Yield number and messages of each piece, which contains whole steps."""
-        for place in range(first, len(self.content.pieces)):
+        place = first
+        while place < len(self.content.pieces) or self.more():
             self.watch(self.content.pieces[place].at / self.content.size)
             yield place, self._reader.messages(place)
+            place += 1
         self.watch(1.0)
 
 

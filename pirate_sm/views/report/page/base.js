@@ -9,7 +9,7 @@ const summed = (steps, scale) => {
   steps.forEach((step, i) => { sum += step; out[i] = sum / scale; });
   return out;
 };
-const clocks = data.clocks.map((steps) => summed(steps, 1000));
+let clocks = data.clocks.map((steps) => summed(steps, 1000));
 
 /** Index of the last entry that is not later; -1 before the first. */
 const indexAt = (times, at) => {
@@ -28,6 +28,12 @@ const valueAt = (series, at) => {
   const one = values[i], other = values[i + 1];
   if (series.stepped || one === null || other === null || other === undefined) return one;
   return one + (other - one) * (at - times[i]) / (times[i + 1] - times[i]);
+};
+
+/** How long before a moment the curve was last measured, s. */
+const ageAt = (series, at) => {
+  const i = indexAt(clocks[series.clock], at);
+  return i < 0 ? NaN : at - clocks[series.clock][i];
 };
 
 /** The span of a lane that holds at a moment; of two that touch, the later one. */
@@ -59,9 +65,16 @@ const shown = {
   at: data.opens,
   from: 0,
   to: data.duration || 1,
-  listeners: { time: [], range: [], look: [], size: [] },
+  listeners: { data: [], time: [], range: [], look: [], size: [] },
   on(what, listener) { this.listeners[what].push(listener); },
   tell(what) { this.listeners[what].forEach((listener) => listener()); },
+  /** The data have changed: the run has gone on, and what showed all of it still does. */
+  grow(wasWhole) {
+    clocks = data.clocks.map((steps) => summed(steps, 1000));
+    if (wasWhole) this.to = data.duration || 1;
+    this.tell('data');
+    this.tell('time');
+  },
   /** This moment is shown everywhere. */
   goTo(at) {
     const wanted = Math.min(Math.max(at, 0), data.duration);

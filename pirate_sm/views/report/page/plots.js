@@ -1,11 +1,14 @@
 // Measurements over time, by uPlot; one part of the run is visible in all of them.
 
-const DASHES = [[], [7, 3], [2, 2], [9, 3, 2, 3]];
+const DASHES = [[], [7, 3], [2, 2], [9, 3, 2, 3]], OTHER = [3, 3];
 const TINTS = 8, HEIGHT = 200;
+
+/** A value that is older than this shows its age, s. */
+const OLD_S = 0.5;
 
 const drawPlots = () => {
   const host = byId('plots');
-  const plots = [];
+  let plots = [];
 
   /** Curves that were measured at different times on one axis; uPlot knows gaps from misses. */
   const aligned = (series) => {
@@ -13,10 +16,15 @@ const drawPlots = () => {
     return uPlot.join(tables);
   };
 
-  const styleOf = (number) => ({ tint: `--curve${number % TINTS}`, dash: DASHES[(number + Math.floor(number / TINTS)) % DASHES.length] });
+  /** A curve to be compared with another one has its colour, and other dashes. */
+  const styleOf = (series, own) => {
+    const isOther = series[own].like !== undefined, number = isOther ? series[own].like : own;
+    const dash = isOther ? OTHER : series.some((each) => each.like !== undefined) ? [] : DASHES[(number + Math.floor(number / TINTS)) % DASHES.length];
+    return { tint: `--curve${number % TINTS}`, dash };
+  };
 
-  const swatch = (number) => {
-    const { tint, dash } = styleOf(number);
+  const swatch = (all, number) => {
+    const { tint, dash } = styleOf(all, number);
     const drawing = element('svg', { width: 26, height: 10, 'aria-hidden': 'true' });
     drawing.append(element('line', {
       x1: 1, x2: 25, y1: 5, y2: 5, style: `stroke: var(${tint})`, 'stroke-width': 2.5, 'stroke-dasharray': dash.join(' '),
@@ -34,7 +42,7 @@ const drawPlots = () => {
       button.type = 'button';
       button.setAttribute('aria-pressed', 'true');
       button.title = 'Show or hide this curve';
-      button.append(swatch(number), document.createTextNode(series.name), value);
+      button.append(swatch(chart.series, number), document.createTextNode(series.name), value);
       button.addEventListener('click', () => {
         const on = button.getAttribute('aria-pressed') !== 'true';
         button.setAttribute('aria-pressed', String(on));
@@ -48,8 +56,9 @@ const drawPlots = () => {
     });
     figure.append(list);
     return () => chart.series.forEach((series, number) => {
-      const value = valueAt(series, shown.at);
-      values[number].textContent = value === null ? '–' : value.toFixed(chart.digits);
+      const value = valueAt(series, shown.at), age = ageAt(series, shown.at);
+      const old = data.running && !series.stepped && age > OLD_S ? ` ${timeText(age)} ago` : '';
+      values[number].textContent = value === null ? '–' : value.toFixed(chart.digits) + old;
     });
   };
 
@@ -73,7 +82,7 @@ const drawPlots = () => {
         { ...axis, size: 58, values: (_, ticks) => ticks.map((each) => `${+each.toFixed(6)}`) },
       ],
       series: [{}, ...chart.series.map((series, number) => {
-        const { tint, dash } = styleOf(number);
+        const { tint, dash } = styleOf(chart.series, number);
         return {
           label: series.name, stroke: colour(tint), dash, width: series.main ? 2.5 : 1.6,
           points: { show: false },
@@ -109,7 +118,7 @@ const drawPlots = () => {
       shown.goTo(Math.min(shown.to, Math.max(shown.from, plot.posToVal(event.clientX - box.left, 'x'))));
     };
     area.addEventListener('mousemove', (event) => {
-      if (!player.playing && !event.buttons) point(event);
+      if (!player.playing && !player.following && !event.buttons) point(event);
     });
     area.addEventListener('click', point);
     area.addEventListener('mouseleave', () => requestAnimationFrame(() => place(plot)));
@@ -146,20 +155,24 @@ const drawPlots = () => {
     }
     figure.append(caption);
     host.append(figure);
-    const table = aligned(chart.series);
-    const made = { plot: null, area, update: null };
+    const made = { plot: null, area, update: null, table: aligned(chart.series), stale: false };
     made.update = legend(chart, figure, () => made.plot);
     figure.append(area);
     made.build = () => {
       const hidden = made.plot ? made.plot.series.map((each) => !each.show) : [];
       if (made.plot) made.plot.destroy();
-      made.plot = new uPlot(optionsOf(chart, area.clientWidth || 300), table, area);
+      made.plot = new uPlot(optionsOf(chart, area.clientWidth || 300), made.table, area);
       hidden.forEach((each, number) => { if (number && each) made.plot.setSeries(number, { show: false }); });
       listen(made.plot);
       place(made.plot);
       made.update();
     };
     made.build();
+    made.grow = () => {
+      made.table = aligned(chart.series);
+      made.plot.setData(made.table);
+      area.setAttribute('aria-label', inWords(chart));
+    };
     new ResizeObserver(() => {
       if (area.clientWidth && area.clientWidth !== made.plot.width) made.plot.setSize({ width: area.clientWidth, height: HEIGHT });
       place(made.plot);
@@ -167,7 +180,18 @@ const drawPlots = () => {
     plots.push(made);
   };
 
-  data.charts.forEach(make);
+  const names = () => JSON.stringify(data.charts.map((chart) => [chart.title, chart.note, chart.series.map((each) => each.name)]));
+  let drawn = '';
+  const fill = () => {
+    if (drawn === names()) { plots.forEach((each) => each.grow()); return; }
+    drawn = names();
+    plots.forEach(({ plot }) => plot.destroy());
+    plots = [];
+    host.replaceChildren();
+    data.charts.forEach(make);
+  };
+  fill();
+  shown.on('data', fill);
   shown.on('time', () => plots.forEach(({ plot, update }) => { place(plot); update(); }));
   shown.on('range', () => plots.forEach(({ plot }) => {
     plot.setScale('x', { min: shown.from, max: shown.to });

@@ -2,11 +2,17 @@
 
 /** Where the wheels are over time, with two coordinates each, in space with three. */
 const motion = data.scene && (() => {
-  const scene = data.scene, times = clocks[scene.clock], wheels = scene.wheels.length;
+  const scene = data.scene, wheels = scene.wheels.length;
   const axes = scene.space ? 3 : 2;
   const tracks = (lists, per) => lists.map((steps) => summed(steps, per));
-  const paths = tracks(scene.paths, scene.perMetre);
-  const normals = scene.space ? tracks(scene.space.normals, scene.space.perUnit) : [];
+  let times, paths, normals;
+  const fill = () => {
+    times = clocks[scene.clock];
+    paths = tracks(scene.paths, scene.perMetre);
+    normals = scene.space ? tracks(scene.space.normals, scene.space.perUnit) : [];
+  };
+  fill();
+  shown.on('data', fill);
   /** Points at a moment, between two poses on the line that joins them. */
   const pointsAt = (lists, at) => {
     const i = Math.max(0, indexAt(times, at)), j = Math.min(i + 1, times.length - 1);
@@ -21,7 +27,16 @@ const motion = data.scene && (() => {
     return lane ? spanAt(lane, shown.at) : null;
   };
   return {
-    scene, times, wheels, paths, axes, partSpan,
+    scene, wheels, axes, partSpan,
+    /** Between which two corners the robot has been, seen along one axis. */
+    travelled(right, up) {
+      const range = (axis) => {
+        const own = paths.filter((_, n) => n % axes === axis);
+        return [0, 1].map((end) => own.reduce((far, path) => path.reduce(end ? (a, b) => Math.max(a, b) : (a, b) => Math.min(a, b), far), end ? -Infinity : Infinity));
+      };
+      const [[x0, x1], [y0, y1]] = [range(right), range(up)];
+      return [x0, y0, x1, y1];
+    },
     placesAt: (at) => pointsAt(paths, at),
     normalsAt: (at) => pointsAt(normals, at),
     /** What holds the link behind this wheel; null where nothing does. */
@@ -31,7 +46,7 @@ const motion = data.scene && (() => {
 
 /** One view of the robot; returns how it is drawn, and what it draws. */
 const flatView = (canvas, view) => {
-  const { scene, times, wheels, paths, placesAt } = motion;
+  const { scene, wheels, placesAt } = motion;
   const [right, up] = view.axes, way = scene.space ? scene.space.way : [];
   const context = canvas.getContext('2d');
   let width = 0, height = 0, following = false;
@@ -40,11 +55,14 @@ const flatView = (canvas, view) => {
   const bounds = (points) => points.reduce(
     ([x0, y0, x1, y1], [x, y]) => [Math.min(x0, x), Math.min(y0, y), Math.max(x1, x), Math.max(y1, y)],
     [Infinity, Infinity, -Infinity, -Infinity]);
-  const travelled = bounds(paths.length
-    ? Array.from({ length: times.length * wheels }, (_, n) => {
-      const w = n % wheels, i = (n - w) / wheels;
-      return [paths[motion.axes * w + right][i], paths[motion.axes * w + up][i]];
-    }) : [[0, 0]]);
+  let travelled = motion.travelled(right, up);
+  shown.on('data', () => { travelled = motion.travelled(right, up); });
+  /** So much of the pipes beyond where the robot has been that a tee is seen to have its arms, m. */
+  const ARM = 0.3;
+  const pipesBox = view.outlines.length ? bounds(view.outlines.flat()) : null;
+  const withArms = (box) => (pipesBox
+    ? box.map((edge, i) => (i < 2 ? Math.min(edge, Math.max(pipesBox[i], edge - ARM)) : Math.max(edge, Math.min(pipesBox[i], edge + ARM))))
+    : box);
   const first = placesAt(0);
   const length = first.slice(1).reduce(
     (sum, p, i) => sum + Math.hypot(...p.map((value, axis) => value - first[i][axis])), 0);
@@ -52,10 +70,10 @@ const flatView = (canvas, view) => {
   /** Pixels per metre and the middle of the picture. */
   const frame = (places) => {
     const margin = 3.2 * scene.radius;
-    let box = travelled;
+    let box = withArms(travelled);
     if (following) {
-      const [x0, y0, x1, y1] = bounds(places), reach = length / 2;
-      box = [(x0 + x1) / 2 - reach, (y0 + y1) / 2 - reach / 3, (x0 + x1) / 2 + reach, (y0 + y1) / 2 + reach / 3];
+      const [x0, y0, x1, y1] = bounds(places), reach = length / 2, high = Math.max(reach / 3, (y1 - y0) / 2);
+      box = [(x0 + x1) / 2 - reach, (y0 + y1) / 2 - high, (x0 + x1) / 2 + reach, (y0 + y1) / 2 + high];
     }
     const [x0, y0, x1, y1] = box;
     const scale = Math.min(width / (x1 - x0 + 2 * margin), height / (y1 - y0 + 2 * margin));

@@ -155,14 +155,18 @@ const drawTimeline = () => {
     if (event.pointerType === 'mouse' && event.buttons & 1) pick(event);
   });
 
-  const used = new Set(data.lanes.flatMap((lane) => [
-    ...lane.marks.map((each) => each[2]), ...lane.spans.map((each) => each[3])]));
-  const key = Object.entries(MEANING).filter(([kind]) => used.has(kind) && kind !== 'done')
-    .map(([kind, meaning]) => `${SIGNS[kind]} ${meaning}`);
-  if (used.has('unconfirmed')) key.push('▨ commanded, not yet confirmed by sensors');
-  if (data.gaps.length) key.push('▒ nothing is known');
-  byId('key').textContent = key.join('   ');
+  const explain = () => {
+    const used = new Set(data.lanes.flatMap((lane) => [
+      ...lane.marks.map((each) => each[2]), ...lane.spans.map((each) => each[3])]));
+    const key = Object.entries(MEANING).filter(([kind]) => used.has(kind) && kind !== 'done')
+      .map(([kind, meaning]) => `${SIGNS[kind]} ${meaning}`);
+    if (used.has('unconfirmed')) key.push('▨ commanded, not yet confirmed by sensors');
+    if (data.gaps.length) key.push('▒ nothing is known');
+    byId('key').textContent = key.join('   ');
+  };
 
+  explain();
+  shown.on('data', () => { explain(); draw(); });
   new ResizeObserver(draw).observe(host);
   shown.on('range', draw);
   shown.on('size', draw);

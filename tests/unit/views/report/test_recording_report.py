@@ -72,10 +72,18 @@ def test_what_led_to_the_failure_is_told_before_it(report: Reports) -> None:
 
 
 @pytest.mark.parametrize("name", ["bend", "trace", "patrol"])
-def test_a_run_that_went_well_begins_at_its_beginning(report: Reports, name: str) -> None:
+def test_a_run_that_went_well_is_opened_at_its_end(report: Reports, name: str) -> None:
     found = report(name)
 
-    assert (found.failure, found.opens_at_s) == (None, 0.0)
+    assert (found.failure, found.opens_at_s) == (None, found.duration_s)
+
+
+def test_what_nearly_went_wrong_stands_at_the_head_with_its_time(report: Reports) -> None:
+    for name in ("bend", "twice"):
+        found = report(name)
+        assert all(0.0 <= each.at_s <= found.duration_s for each in found.doubts)
+        assert len({each.text for each in found.doubts}) == len(found.doubts)
+    assert report("trace").doubts == ()
 
 
 @pytest.mark.parametrize("name", ["bend", "patrol"])

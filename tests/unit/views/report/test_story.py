@@ -7,6 +7,7 @@ import pytest
 from pirate_sm.core import effects as fx
 from pirate_sm.core import events as ev
 from pirate_sm.core.spelling import listed
+from pirate_sm.views.report.contents import Sentence
 from pirate_sm.views.report.story import RunEnding, RunFacts, Story, seconds, summary
 
 
@@ -50,17 +51,25 @@ def test_what_goes_wrong_and_what_people_do_have_sentences_of_their_own():
     ]
 
 
-@pytest.mark.parametrize(("fired_s", "over"), [(2.0, ["go (way < 1 m)"]), (2.1, [])])
-def test_a_wait_that_was_over_as_it_began_stands_in_the_summary(fired_s, over):
+@pytest.mark.parametrize(("fired_s", "over"), [(2.0, True), (2.1, False)])
+def test_a_wait_that_was_over_as_it_began_is_noted(fired_s, over):
     told = Story({}, nominal=False)
     told.take(2.0, None, [fx.WaitArmed("go", ("near",), ("way < 1 m",), inf)])
     told.take(fired_s, None, [fx.TriggerFired("go", "near", "rest", "way < 1 m")])
-    ending = RunEnding("succeeded", "There", 3.0)
 
-    lines = summary(RunFacts("m", "", "r", "", ending, 0.0, None, {}, {}, told.at_once))
+    text = "The wait was over after 0.00 s (way < 1 m)."
+    assert told.at_once == ([Sentence(2.0, text, "trouble", "go")] if over else [])
 
-    assert told.at_once == over
-    assert (lines[2] == "1 wait was over after 0.00 s: go (way < 1 m).") == bool(over)
+
+def test_a_story_can_be_told_before_it_is_over_and_goes_on() -> None:
+    told = Story({}, nominal=False)
+    told.take(0.0, None, [fx.PhaseChange("rest"), fx.WaitArmed("rest", ("near",), ("far",), inf)])
+    ending = RunEnding("running", "", 2.0)
+
+    assert [each.text for each in told.finish(ending)] == ["Waited 2.00 s for far."]
+    assert [each.text for each in told.finish(ending._replace(at_s=3.0))] == [
+        "Waited 3.00 s for far."
+    ]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,243 @@
+"""Serves the page of a run on loopback, during the run and after it.
+
+It reads the recording as it grows, so that the run knows nothing of it. Each viewer gets what has
+changed since the edition that it has, when it has taken the last change: a slow one skips editions
+and holds up nothing.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable
+from errno import EADDRINUSE
+from functools import cached_property
+from pathlib import Path
+from socket import create_server
+from typing import Final
+
+from tornado.httpserver import HTTPServer
+from tornado.web import Application, HTTPError, RequestHandler
+from tornado.websocket import WebSocketClosedError, WebSocketHandler
+
+from pirate_sm.core.errors import UsageError
+from pirate_sm.views.report.changes import changes
+from pirate_sm.views.report.contents import Report
+from pirate_sm.views.report.live_report import Edition, LiveReport, edition_of
+from pirate_sm.views.report.report_page import html
+
+HOST: Final = "127.0.0.1"
+
+PORT: Final = 8790
+"""The port that is tried first, so that a page has the same address the next time."""
+
+_MOST_HANDED_OUT = 16
+"""So many pages may be loading at a time; a page that takes longer is loaded again."""
+
+_PING_S = 10.0
+"""A viewer that answers no ping is taken for closed."""
+
+_ASKS_MOST = 1 << 16
+"""The largest message that a viewer may send, bytes."""
+
+
+class Editions:
+    """The newest edition of the page of a run, for viewers that wait for the next one.
+
+    Attributes:
+        newest: The newest edition; None before the first.
+        viewers: Number of pages that are open.
+    """
+
+    def __init__(self) -> None:
+        self.newest: Edition | None = None
+        self.viewers = 0
+        self._next = asyncio.get_running_loop().create_future()
+        self._encoded: dict[int, str] = {}
+        self._handed_out: dict[int, Edition] = {}
+
+    async def hand_out(self) -> Edition:
+        """Return the newest edition for a page, which will ask for what follows it."""
+        edition = await self.after(None)
+        self._handed_out[edition.version] = edition
+        while len(self._handed_out) > _MOST_HANDED_OUT:
+            del self._handed_out[min(self._handed_out)]
+        return edition
+
+    def handed_out(self, version: str) -> Edition | None:
+        """Return the edition that a page has; None if it is not kept."""
+        return next((each for n, each in self._handed_out.items() if str(n) == version), None)
+
+    def take(self, edition: Edition) -> None:
+        """Make this the newest edition."""
+        self.newest, self._encoded = edition, {}
+        arrived, self._next = self._next, asyncio.get_running_loop().create_future()
+        arrived.set_result(None)
+
+    async def after(self, version: int | None) -> Edition:
+        """Return the newest edition, as soon as it has another number than this."""
+        while self.newest is None or self.newest.version == version:
+            await asyncio.shield(self._next)
+        return self.newest
+
+    def changed(self, before: Edition, newest: Edition) -> str:
+        """Return the message that turns a page of one edition into the newest."""
+        if before.version not in self._encoded:
+            parts = {
+                name: text for name, text in newest.parts.items() if text != before.parts[name]
+            }
+            message = {
+                "version": newest.version,
+                "parts": parts,
+                "changes": [*changes({"data": before.data}, {"data": newest.data})],
+            }
+            self._encoded[before.version] = json.dumps(message, separators=(",", ":"))
+        return self._encoded[before.version]
+
+
+class _OnLoopback(RequestHandler):
+    """A request to this very server: one by another name comes from a foreign page."""
+
+    def prepare(self) -> None:
+        """Refuse a request for another host."""
+        port = self.application.settings["port"]
+        if self.request.host not in (f"{HOST}:{port}", f"localhost:{port}"):
+            raise HTTPError(403, reason="This server is for pages of this computer only")
+
+    def set_default_headers(self) -> None:
+        """Let no other page show this one or read it."""
+        self.set_header("X-Frame-Options", "DENY")
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.set_header("Cross-Origin-Resource-Policy", "same-origin")
+        self.set_header("Referrer-Policy", "no-referrer")
+        self.set_header("Cache-Control", "no-store")
+
+    @cached_property
+    def editions(self) -> Editions:
+        """Return the editions of the page."""
+        found: Editions = self.application.settings["editions"]
+        return found
+
+
+class _Page(_OnLoopback):
+    """The page as it is now."""
+
+    async def get(self) -> None:
+        """Answer with the page."""
+        edition = await self.editions.hand_out()
+        self.finish(html(edition.report, edition.version))
+
+
+class _Changes(_OnLoopback, WebSocketHandler):
+    """Sends one viewer what changes."""
+
+    def check_origin(self, origin: str) -> bool:
+        """Return whether the page that asks comes from here."""
+        return origin == f"http://{self.request.host}"
+
+    def open(self, *_: str, **__: str) -> None:
+        """Begin to send."""
+        self.editions.viewers += 1
+        self._sending = asyncio.ensure_future(self._send())
+
+    def on_message(self, message: str | bytes) -> None:
+        """Ignore it: viewers have nothing to say."""
+
+    def on_close(self) -> None:
+        """Stop sending."""
+        self.editions.viewers -= 1
+        self._sending.cancel()
+
+    async def _send(self) -> None:
+        edition = self.editions.handed_out(self.get_query_argument("since", ""))
+        try:
+            if edition is None:
+                await self.write_message("{}")  # it is to load the page again
+                return
+            while True:
+                newest = await self.editions.after(edition.version)
+                # A viewer that leaves ends this task, but not the library's own writing.
+                await asyncio.shield(self.write_message(self.editions.changed(edition, newest)))
+                edition = newest
+        except WebSocketClosedError:
+            pass
+
+
+class PageServer:
+    """The server of the page of a run.
+
+    Args:
+        port: The port; None: the default one, or any other that is free.
+
+    Attributes:
+        editions: The editions of the page.
+        port: The port.
+
+    Raises:
+        UsageError: The port is in use.
+    """
+
+    def __init__(self, port: int | None = None) -> None:
+        self.editions = Editions()
+        try:
+            own = create_server((HOST, PORT if port is None else port))
+        except OSError as error:
+            if port is not None or error.errno != EADDRINUSE:
+                where = f"{HOST}:{PORT if port is None else port}"
+                raise UsageError(
+                    f"the page cannot be served on {where}: {error.strerror}"
+                ) from None
+            own = create_server((HOST, 0))
+        own.setblocking(False)
+        self.port: int = own.getsockname()[1]
+        application = Application(
+            [("/", _Page), ("/changes", _Changes)],
+            editions=self.editions,
+            port=self.port,
+            websocket_ping_interval=_PING_S,
+            websocket_max_message_size=_ASKS_MOST,
+            log_function=lambda handler: None,
+        )
+        self._server = HTTPServer(application)
+        self._server.add_sockets([own])
+
+    @property
+    def address(self) -> str:
+        """Return the address for a browser."""
+        return f"http://{HOST}:{self.port}/"
+
+
+async def serve(
+    shown: Path | Report,
+    port: int | None,
+    said: Callable[[str], object],
+    until: Callable[[Editions], Awaitable[object]],
+) -> None:
+    """Serve a page.
+
+    Args:
+        shown: The recording of a run, which may be under way, or a report.
+        port: The port; None: the default one, or any other that is free.
+        said: Receives the address, once it can be opened.
+        until: Returns when the server is to end, unless it is cancelled before.
+
+    Raises:
+        RecordingError: The recording cannot be read.
+        UsageError: The port is in use.
+    """
+    server, loop = PageServer(port), asyncio.get_running_loop()
+
+    def take(edition: Edition) -> None:  # in the thread of the report
+        loop.call_soon_threadsafe(server.editions.take, edition)
+
+    report = None if isinstance(shown, Report) else LiveReport(shown, take)
+    if isinstance(shown, Report):
+        server.editions.take(edition_of(shown))
+    elif report is not None:
+        report.start()
+    try:
+        said(server.address)
+        await until(server.editions)
+    finally:
+        if report is not None:
+            await asyncio.to_thread(report.close)

@@ -1,0 +1,173 @@
+"""The server of a run's page: who is answered, and what a slow viewer costs the others."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import socket
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tornado.httpclient import AsyncHTTPClient, HTTPClientError, HTTPRequest
+from tornado.websocket import websocket_connect
+
+from pirate_sm.core.errors import UsageError
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.views.report.live_report import Edition
+from pirate_sm.views.report.page_server import HOST, PageServer, serve
+from pirate_sm.views.report.recording_report import report_of
+from pirate_sm.views.report.report_page import fragments, report_json
+
+
+@pytest.fixture(scope="module")
+def first(recording: Callable[[str], Path]) -> Edition:
+    """The first edition of a page."""
+    report = report_of(read_recording(recording("patrol")))
+    return Edition(0, report, report_json(report), fragments(report))
+
+
+def later(edition: Edition, version: int) -> Edition:
+    """A later edition, in which much has changed."""
+    parts = {**edition.parts, "facts": f"{version % 10}" * 4_000_000}
+    return Edition(version, edition.report, {**edition.data, "duration": float(version)}, parts)
+
+
+def run(work: Callable[[PageServer], Awaitable[None]]) -> None:
+    """Do this with a server on a free port."""
+
+    async def worked() -> None:
+        await work(PageServer(0))
+
+    asyncio.run(worked())
+
+
+async def answer(server: PageServer, **headers: str) -> tuple[int, str, Any]:
+    """The status, the text and the headers that a request is answered with."""
+    request = HTTPRequest(server.address, headers=headers)
+    try:
+        found = await AsyncHTTPClient(force_instance=True).fetch(request)
+    except HTTPClientError as error:
+        return error.code, "", {}
+    return found.code, found.body.decode(), found.headers
+
+
+def test_only_requests_to_this_very_server_are_answered(first: Edition) -> None:
+    async def work(server: PageServer) -> None:
+        server.editions.take(first)
+        port = server.port
+
+        assert (await answer(server))[0] == 200
+        assert (await answer(server, Host=f"localhost:{port}"))[0] == 200
+        for other in ("evil.example", f"evil.example:{port}", HOST, f"{HOST}.evil.example:{port}"):
+            assert (await answer(server, Host=other))[0] == 403, other
+
+    run(work)
+
+
+def test_no_other_page_may_read_it_show_it_or_listen(first: Edition) -> None:
+    async def work(server: PageServer) -> None:
+        server.editions.take(first)
+        _, _, headers = await answer(server)
+        assert headers["X-Frame-Options"] == "DENY"
+        assert "Access-Control-Allow-Origin" not in headers
+        for origin in ("http://evil.example", "null", f"http://{HOST}.evil.example"):
+            with pytest.raises(HTTPClientError, match="403"):
+                await listened(server, origin)
+        (await listened(server)).close()
+
+    run(work)
+
+
+async def listened(server: PageServer, origin: str = "", since: int = 0) -> Any:
+    """A connection that listens to changes."""
+    url = f"ws://{HOST}:{server.port}/changes?since={since}"
+    headers = {"Origin": origin or server.address.rstrip("/")}
+    return await websocket_connect(HTTPRequest(url, headers=headers), max_message_size=1 << 28)
+
+
+def test_a_page_gets_what_has_changed_since_it_was_made(first: Edition) -> None:
+    async def work(server: PageServer) -> None:
+        server.editions.take(first)
+        _, page, _ = await answer(server)
+        assert '"version":0' in page
+        server.editions.take(later(first, 1))
+        viewer = await listened(server)
+
+        message = json.loads(await viewer.read_message())
+
+        assert message["version"] == 1
+        assert message["changes"] == [[["data", "duration"], 1.0]]
+        assert [*message["parts"]] == ["facts"]
+        viewer.close()
+
+    run(work)
+
+
+def test_a_page_of_an_edition_that_is_not_known_is_loaded_again(first: Edition) -> None:
+    async def work(server: PageServer) -> None:
+        server.editions.take(first)
+        for since in ("7", "x", "-1", "", "9" * 5_000):
+            viewer = await listened(server, since=since)
+            assert await viewer.read_message() == "{}"
+            viewer.close()
+
+    run(work)
+
+
+def test_a_viewer_that_takes_nothing_holds_up_no_other_and_costs_no_more_memory(
+    first: Edition, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def work(server: PageServer) -> None:
+        server.editions.take(first)
+        await answer(server)
+        slow = socket.create_connection((HOST, server.port))  # it asks, and never reads
+        slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4_096)
+        slow.sendall(
+            f"GET /changes?since=0 HTTP/1.1\r\nHost: {HOST}:{server.port}\r\nUpgrade: websocket\r\n"
+            f"Connection: Upgrade\r\nOrigin: http://{HOST}:{server.port}\r\n"
+            "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+            "Sec-WebSocket-Version: 13\r\n\r\n".encode()
+        )
+        quick = await listened(server)
+        while server.editions.viewers < 2:
+            await asyncio.sleep(0.01)
+        made, changed = [0, 0], server.editions.changed
+
+        def counted(before: Edition, newest: Edition) -> str:
+            made[before.version == newest.version - 1] += 1
+            return changed(before, newest)
+
+        monkeypatch.setattr(server.editions, "changed", counted)
+        for version in range(1, 13):
+            server.editions.take(later(first, version))
+            assert json.loads(await quick.read_message())["version"] == version
+
+        assert sum(made) < 20  # the slow one got what fits into its connection, and no more
+        slow.close()
+        quick.close()
+
+    run(work)
+
+
+def test_a_port_that_is_asked_for_must_be_free() -> None:
+    async def work(server: PageServer) -> None:
+        with pytest.raises(UsageError, match="Address already in use"):
+            PageServer(server.port)
+
+    run(work)
+
+
+def test_the_server_is_there_before_the_first_report(
+    recording: Callable[[str], Path],
+) -> None:
+    said: list[str] = []
+
+    async def until(editions: Any) -> None:
+        found = await AsyncHTTPClient(force_instance=True).fetch(said[0])
+        assert "</html>" in found.body.decode()
+
+    asyncio.run(serve(recording("patrol"), 0, said.append, until))
+
+    assert said[0].startswith(f"http://{HOST}:")
