@@ -197,8 +197,9 @@ class Run:
 
     def report(self) -> Page:
         """Return the report: what happened in words, the robot in its pipe, timeline and plots."""
-        from pirate_sm.views.report.recording_report import about_run, gather
+        from pirate_sm.views.report.recording_report import gather
         from pirate_sm.views.report.report_page import html
+        from pirate_sm.views.report.run_facts import about_run
 
         about = about_run(self.header, self.loaded, self.notices)
         again = rerun_steps(self._engine, self.steps(), self.gaps, origin_s=self.origin_s)

@@ -24,7 +24,7 @@ _SHOWN_M = 1.5
 _WALL_M = 0.004
 
 
-class Surroundings(NamedTuple):
+class DrawnPipe(NamedTuple):
     """What is seen of the pipe.
 
     Attributes:
@@ -36,18 +36,16 @@ class Surroundings(NamedTuple):
     areas: tuple[tuple[Place, ...], ...]
 
 
-def surroundings(pipe: Pipe | None) -> Surroundings:
+def drawn_pipe(pipe: Pipe | None) -> DrawnPipe:
     """Return what is seen of a pipe from above."""
     if pipe is None:
-        return Surroundings((), ())
+        return DrawnPipe((), ())
     route = pipe.route()
     walls = drawn_walls(route)
-    return Surroundings(walls, () if walls else outlines(plain_tubes(route.placement), (0, 1)))
+    return DrawnPipe(walls, () if walls else outlines(plain_tubes(route.placement), (0, 1)))
 
 
-def picture(
-    wheels: Sequence[Place], held: Sequence[bool], body: Body, around: Surroundings
-) -> Image:
+def picture(wheels: Sequence[Place], held: Sequence[bool], body: Body, around: DrawnPipe) -> Image:
     """Return the picture, ``HEIGHT`` × ``WIDTH`` × 3 values from 0 to 255.
 
     Args:

@@ -28,7 +28,7 @@ from pirate_sm.core.loading import LoadedMission, load_mission, load_pipe, load_
 from pirate_sm.core.options import OPTIONS, Options
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.sensing import Numbers
-from pirate_sm.lab.learning.picture import Image, Surroundings, picture, surroundings
+from pirate_sm.lab.learning.picture import DrawnPipe, Image, drawn_pipe, picture
 from pirate_sm.lab.learning.rewards import Outcome, StepMoment
 from pirate_sm.running.runtime.pump import Pump
 from pirate_sm.running.wiring import Prepared
@@ -70,7 +70,7 @@ class Trial:
         self._metres = [wheel.metres_per_rad for wheel in self.robot.wheels]
         self._status: CommandStatus | None = None
         self._faults: list[str] = []
-        self._around: Surroundings | None = None
+        self._around: DrawnPipe | None = None
         self._pump = pump = Pump(
             ready.engine, backend, companions=ready.companions, tell=self._tell
         )
@@ -121,7 +121,7 @@ class Trial:
         parts = [wheel.part for wheel in body.wheels]
         held = [one == other and one in holding for one, other in pairwise(parts)]
         if self._around is None:
-            self._around = surroundings(loaded.pipe)
+            self._around = drawn_pipe(loaded.pipe)
         places = self._ready.wheels() if self._ready.wheels is not None else ()
         return picture(places, held, body, self._around)
 

@@ -22,8 +22,9 @@ from pirate_sm.running.recording.replay import rerun
 from pirate_sm.views.report.contents import Photo, Report
 from pirate_sm.views.report.film_strip import photos_of
 from pirate_sm.views.report.poses import Poses
-from pirate_sm.views.report.recording_report import RunContents, about_run, add_known
+from pirate_sm.views.report.recording_report import RunContents, add_known
 from pirate_sm.views.report.report_page import fragments, report_json
+from pirate_sm.views.report.run_facts import about_run
 from pirate_sm.views.report.timeline import DETECTOR
 
 POLL_S = 0.05

@@ -9,7 +9,7 @@ import pytest
 
 from pirate_sm.core.loading import load_mission
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.views.report.recording_report import about_run
+from pirate_sm.views.report.run_facts import about_run
 from pirate_sm.views.report.run_list import listed
 
 from .conftest import NEWT

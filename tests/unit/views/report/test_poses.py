@@ -11,7 +11,8 @@ from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.replay import rerun
 from pirate_sm.views.report.contents import Report
 from pirate_sm.views.report.poses import MOST_POSES, Poses
-from pirate_sm.views.report.recording_report import About, gather
+from pirate_sm.views.report.recording_report import gather
+from pirate_sm.views.report.run_facts import About
 
 
 def test_of_many_poses_some_stay_evenly_and_the_last_one():
