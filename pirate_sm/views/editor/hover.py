@@ -8,6 +8,7 @@ from math import inf, isinf
 
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING
 from pirate_sm.checking.reports.text import explained
+from pirate_sm.core.documents import cut
 from pirate_sm.core.events import BUILT_IN_FAULTS
 from pirate_sm.core.expressions import EnumType
 from pirate_sm.core.program import Branch, TriggerSpec, Wait
@@ -80,7 +81,7 @@ def _more(known: KnownMission, word: str) -> Iterator[str]:
     else:
         for rule in loaded.robot.faults:
             if rule.code == word:
-                yield f"{rule.message}: when `{rule.when.text}` for {rule.held_s:g} s"
+                yield f"{rule.message}: when `{cut(rule.when.text)}` for {rule.held_s:g} s"
 
 
 def _conditions(known: KnownMission, line: int) -> Iterator[str]:

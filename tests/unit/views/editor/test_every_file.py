@@ -88,6 +88,8 @@ def ask_of_mistakes(found: list[Any], folder: Path) -> None:
                 ask_everything(client, path, path.read_text("utf-8", errors="replace"))
 
 
+@pytest.mark.thorough
+@pytest.mark.timeout(900)
 def test_mistakes(tmp_path: Path) -> None:
     ask_of_mistakes([*map(mistake, SAMPLE)], tmp_path)
 
