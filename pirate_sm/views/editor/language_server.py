@@ -43,9 +43,11 @@ from pirate_sm.views.editor.completion_items import items
 from pirate_sm.views.editor.completions import offers, opening
 from pirate_sm.views.editor.editor_wishes import EditorWishes
 from pirate_sm.views.editor.known_mission import KnownMission, may_be_mission
+from pirate_sm.views.editor.mission_runs import MissionRuns
 from pirate_sm.views.editor.names import FileSaid, NameAt, Names
 from pirate_sm.views.editor.positions import Positions
-from pirate_sm.views.editor.shown_findings import SOURCE, CheckedTexts
+from pirate_sm.views.editor.refactorings import Refactorings
+from pirate_sm.views.editor.shown_findings import SOURCE, CheckedTexts, of_kinds
 
 R = TypeVar("R")
 
@@ -94,7 +96,10 @@ class Editor:
         }
         for name, answer in answers.items():
             self._server.feature(name)(partial(answer))
-        kinds = [types.CodeActionKind.QuickFix, types.CodeActionKind.SourceFixAll]
+        self._runs = MissionRuns(self._server, self._open)
+        self._refactorings = Refactorings(self._server, self._open, check)
+        kind = types.CodeActionKind
+        kinds = [kind.QuickFix, kind.SourceFixAll, kind.RefactorExtract]
         offered = types.CodeActionOptions(code_action_kinds=kinds)
         self._server.feature(types.TEXT_DOCUMENT_CODE_ACTION, offered)(partial(self._actions))
         begins = types.CompletionOptions(trigger_characters=[" ", "$"])
@@ -112,7 +117,10 @@ class Editor:
             messages: Where messages come from.
             answers: Where answers go; it is closed then.
         """
-        self._server.start_io(messages, answers)
+        try:
+            self._server.start_io(messages, answers)
+        finally:
+            self._runs.close()
 
     # --- the editor and its files ---
 
@@ -211,17 +219,14 @@ class Editor:
     # --- questions ---
 
     def _actions(self, asked: types.CodeActionParams) -> list[types.CodeAction]:
-        """Return the changes for a part of a file, if its findings are those of its text."""
+        """Return what can be done with a part of a file; findings count if they are of its text."""
         file = self._server.workspace.get_text_document(asked.text_document.uri)
         path, last = os.path.realpath(file.path), self._last
-        if last is None or last.texts.get(path) != content_of(file.source):
-            return []
-        only = asked.context.only or []
-
-        def is_wanted(kind: str | None) -> bool:
-            return not only or any(f"{kind}.".startswith(f"{each}.") for each in map(_plain, only))
-
-        return [each for each in last.actions(path, asked.range) if is_wanted(_plain(each.kind))]
+        about = asked.text_document.uri, file.source, asked.range
+        offered = [*self._refactorings.actions(*about), *self._runs.actions(*about)]
+        if last is not None and last.texts.get(path) == content_of(file.source):
+            offered = [*last.actions(path, asked.range), *offered]
+        return of_kinds(offered, asked.context.only or [])
 
     async def _completions(self, asked: types.CompletionParams) -> list[types.CompletionItem]:
         """Return the words that are possible at a place; loading is asked in a thread."""
@@ -393,8 +398,3 @@ class Editor:
             self._outlined[uri] = document, positions
         known = self._outlined.get(uri)
         return of(*known) if known else []
-
-
-def _plain(kind: types.CodeActionKind | str | None) -> str | None:
-    """Return the text of a kind of action, of which this is a hierarchy."""
-    return kind.value if isinstance(kind, types.CodeActionKind) else kind

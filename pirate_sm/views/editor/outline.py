@@ -51,7 +51,7 @@ def _symbols(
 ) -> list[DocumentSymbol]:
     found = []
     for name, start, inner in _entries(node, positions):
-        whole = positions.between(start, max(_end(document, inner), start))
+        whole = positions.between(start, max(end_of(document, inner), start))
         if depth > _DEEPEST and whole.start.line == whole.end.line:
             continue
         named = positions.between(start, start + len(name))
@@ -65,7 +65,7 @@ def _symbols(
 
 def _folds(document: Document, node: YamlNode, positions: Positions) -> Iterator[FoldingRange]:
     for _, start, inner in _entries(node, positions):
-        whole = positions.between(start, max(_end(document, inner), start))
+        whole = positions.between(start, max(end_of(document, inner), start))
         if whole.start.line < whole.end.line:
             yield FoldingRange(whole.start.line, whole.end.line)
             yield from _folds(document, inner, positions)
@@ -84,12 +84,12 @@ def _entries(node: YamlNode, positions: Positions) -> Iterator[_Entry]:
             yield _Entry(next(texts, str(number + 1))[:_LONGEST], inner.start, inner)
 
 
-def _end(document: Document, node: YamlNode) -> int:
+def end_of(document: Document, node: YamlNode) -> int:
     """Return where a value ends, without comments and empty lines below it."""
     children = node.children or ()
     written = document.text[node.start : node.end]
     if children and not written.startswith(("{", "[", "*")):
         last = [*children][-1]
         inner = node.children[last][0] if isinstance(node.children, dict) else last
-        return max(_end(document, inner), inner.start)
+        return max(end_of(document, inner), inner.start)
     return node.start + len(written.rstrip())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 
@@ -130,3 +130,15 @@ def text_on_disk(name: str) -> str:
     with suppress(OSError, ValueError), opened(name) as stream:
         content = stream.read(LARGEST_FILE)
     return content.decode("utf-8-sig", errors="replace")
+
+
+def of_kinds(
+    actions: Iterable[CodeAction], only: Sequence[CodeActionKind | str]
+) -> list[CodeAction]:
+    """Return the actions of some kinds, of which there is a hierarchy; all without any kind."""
+    kinds = tuple(f"{_plain(kind)}." for kind in only)
+    return [each for each in actions if not only or f"{_plain(each.kind)}.".startswith(kinds)]
+
+
+def _plain(kind: CodeActionKind | str | None) -> str | None:
+    return kind.value if isinstance(kind, CodeActionKind) else kind
