@@ -17,7 +17,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo gallery wheel update test test-thorough test-cluster test-pty test-browser test-firmware test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps belief robots campaigns space twin learning mistakes mutants physics vision thesis clean
+.PHONY: help demo gallery wheel update test test-thorough test-cluster test-pty test-browser test-firmware test-built test-wheel check format golden docs pictures schemas vscode bench seeds kills resume bends soak defects loops upright align maps belief robots campaigns space twin learning mistakes mutants physics vision thesis clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -56,6 +56,7 @@ help:
 	@echo "make docs    the documentation site, in build/site, with warnings as errors"
 	@echo "make pictures the documents' pictures of pages in Chromium anew, and of cameras"
 	@echo "make schemas the JSON Schemas anew, after a change of models or of a robot"
+	@echo "make vscode  the extension for Visual Studio Code, build/pirate-sm.vsix; it needs npm"
 	@echo "make format  every Python file in the one style"
 	@echo "make update  requirements.lock with the newest of everything, and the tests with it"
 	@echo "make wheel   the wheel for this kind of machine, and the source archive, in dist/"
@@ -137,6 +138,11 @@ schemas: $(VENV)/.ready-dev
 	    $(BIN)/pirate schema $$kind > schemas/$$kind.schema.json || exit; done
 	for robot in hardware_profiles/*/; do \
 	    $(BIN)/pirate schema mission --robot $$robot > $${robot}mission.schema.json || exit; done
+
+# Nothing of what is fetched is run but the packer.
+vscode:
+	@mkdir -p build
+	cd editors/vscode && cp ../../LICENSE . && npm ci --ignore-scripts --no-audit --no-fund && npm run --silent pack
 
 bench: $(VENV)/.ready-bench
 	$(BIN)/python -m benchmarks.bench
