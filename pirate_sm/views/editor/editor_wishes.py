@@ -31,12 +31,12 @@ class EditorWishes:
         return bool(item and item.snippet_support)
 
     def take(self, settings: Any) -> None:
-        """Take the settings, as far as there are any."""
+        """Use the settings, as far as there are any."""
         if isinstance(settings, dict):
             self.hints = settings.get("inlayHints", self.hints) is not False
 
     def change(self, said: types.DidChangeConfigurationParams) -> None:
-        """Take other settings."""
+        """Use other settings."""
         self.take(said.settings.get(SOURCE) if isinstance(said.settings, dict) else None)
         self.refresh_hints()
 
