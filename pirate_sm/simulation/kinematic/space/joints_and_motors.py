@@ -58,22 +58,30 @@ def solve_joints(
 
 @compiled
 def solve_links(n: int, mov: Floats, body: Floats, w: Floats) -> None:
-    """Bring each link back to its length once."""
+    """Bring each link back to its length once, along its direction when the step began.
+
+    So pull links as walls and joints push: as all lay when the step began. Along the directions in
+    which links lie later, a robot that is spun would gain energy from the walls. (This is SHAKE:
+    Ryckaert, Ciccotti and Berendsen, J. Comput. Phys. 23, 1977.)
+    """
     for m in range(n - 1):
-        dx = w[m, col.D_X] + mov[m, 0] - mov[m + 1, 0]
-        dy = w[m, col.D_Y] + mov[m, 1] - mov[m + 1, 1]
-        dz = w[m, col.D_Z] + mov[m, 2] - mov[m + 1, 2]
+        ax = w[m, col.D_X]
+        ay = w[m, col.D_Y]
+        az = w[m, col.D_Z]
+        dx = ax + mov[m, 0] - mov[m + 1, 0]
+        dy = ay + mov[m, 1] - mov[m + 1, 1]
+        dz = az + mov[m, 2] - mov[m + 1, 2]
         # (d^2 - l^2) / 2l has the same root as d - l and needs no square root.
         scale = body[m, col.LINK_LENGTH] ** 2 - dx * dx - dy * dy - dz * dz
         scale *= w[m, col.LINK_SCALE]
         ahead = scale * body[m, col.MASS_INV]
         behind = scale * body[m + 1, col.MASS_INV]
-        mov[m, 0] += ahead * dx
-        mov[m, 1] += ahead * dy
-        mov[m, 2] += ahead * dz
-        mov[m + 1, 0] -= behind * dx
-        mov[m + 1, 1] -= behind * dy
-        mov[m + 1, 2] -= behind * dz
+        mov[m, 0] += ahead * ax
+        mov[m, 1] += ahead * ay
+        mov[m, 2] += ahead * az
+        mov[m + 1, 0] -= behind * ax
+        mov[m + 1, 1] -= behind * ay
+        mov[m + 1, 2] -= behind * az
 
 
 # --- motors --------------------------------------------------------------------------------------

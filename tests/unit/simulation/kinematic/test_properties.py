@@ -237,18 +237,15 @@ def test_without_motors_energy_never_grows(chain: ChainBody, section: Section, s
 
 
 @seeds
-def test_a_clamped_robot_that_is_spun_loses_energy_where_friction_exceeds_its_turn_in_a_step(
+def test_a_clamped_robot_that_is_spun_gains_no_energy_whatever_the_friction(
     chain: ChainBody, seed: int
 ) -> None:
-    """Walls push as they lay when a step began, links as they lie when it ends.
-
-    In a step of the angle a, a clamp pushes a wheel on by a × its normal force, so energy must fall
-    where kinetic friction is more than a; without friction it grows at any speed.
-    """
     stiffness = [getattr(chain.joints.get(wheel), "stiffness_nm_rad", 0.0) for wheel in range(6)]
-    for each in drawn("round", seed, 40):
-        case = each._replace(wheels=np.zeros(6))
-        rate_rad_s = min(75.0, 0.7 * case.friction / kinematic_world.STEP_S)
+    rng = np.random.default_rng(seed)
+    for number, each in enumerate(drawn("round", seed, 40)):
+        friction = each.friction * (number % 4) / 3
+        case = each._replace(wheels=np.zeros(6), friction=max(friction, 1e-9))
+        rate_rad_s = rng.uniform(20.0, 75.0)
         world = put(chain, case)
         world.duties[:] = 0.0
         _, y, z = places(world).T
@@ -258,7 +255,8 @@ def test_a_clamped_robot_that_is_spun_loses_energy_where_friction_exceeds_its_tu
         for _ in range(40):
             world.advance()
             found.append(energy_j(world, case, np.array(stiffness)))
-        assert (np.array(found) - np.minimum.accumulate(found)).max() < 0.01
+        assert max(found) < found[0] + 0.05
+        assert (np.array(found) - np.minimum.accumulate(found)).max() < 0.1
 
 
 def energy_j(world: Any, case: Case, stiffness: Floats) -> float:
