@@ -1,6 +1,7 @@
 """Whether a mission that says it has succeeded has, with any defects in any pipe: `make belief`.
 
     python -m benchmarks.belief [--runs 3000] [--seed 0] [--mission climb] [--number 17]
+                                [--robot tyre.rolling_resistance=0.02]
 
 Every run draws its pipe from the seed (steps of the bore, patches, slopes, friction 0.05 to 0.9),
 and none, one or two defects of the robot with numbers and a time of their own; see
@@ -210,6 +211,7 @@ def main() -> int:
     missions = sorted({way.mission for way in WAYS})
     parser.add_argument("--mission", action="append", choices=missions, help="all by default")
     parser.add_argument("--number", type=int, help="judge this run alone")
+    parser.add_argument("--robot", action="append", default=[], help="a number of all robots")
     parser.add_argument("--backend", choices=("sim", "physics"), default="sim")
     parser.add_argument("--workers", type=int, help="processes; all processors by default")
     wishes = parser.parse_args()
@@ -222,6 +224,7 @@ def main() -> int:
         folder=FOLDER,
         missions=tuple(wishes.mission or ()),
         backend=wishes.backend,
+        robot=dict(each.split("=", 1) for each in wishes.robot),
     )
     first = judged(case(numbers[0]))  # compiles the simulator once, before the others need it
     with ProcessPoolExecutor(wishes.workers, mp_context=get_context("spawn")) as pool:

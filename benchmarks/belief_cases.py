@@ -8,6 +8,7 @@ from functools import cache
 from math import atan, degrees
 from pathlib import Path
 from random import Random
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import yaml
@@ -112,7 +113,12 @@ class Case:
 
 
 def case_of(
-    seed: int, number: int, folder: Path, missions: Sequence[str] = (), backend: str = "sim"
+    seed: int,
+    number: int,
+    folder: Path,
+    missions: Sequence[str] = (),
+    backend: str = "sim",
+    robot: Mapping[str, str] = MappingProxyType({}),
 ) -> Case:
     """Return a drawn run, and write its pipe.
 
@@ -122,6 +128,7 @@ def case_of(
         folder: Where its pipe is written.
         missions: Those from which its mission is taken; empty: all.
         backend: What simulates it.
+        robot: Numbers of the simulated robot, as ``--number`` takes them.
     """
     lot = Random(f"{seed}:{number}")
     ways = [way for way in WAYS if not missions or way.mission in missions]
@@ -137,7 +144,7 @@ def case_of(
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(yaml.safe_dump(pipe, sort_keys=False), encoding="utf-8")
     detector = lot.choice(("sim", "odometry")) if way.ends == "word" else None
-    robot = library.find_robot("pirate_ii_imu" if way.mission == "level" else "pirate_ii")
+    profile = library.find_robot("pirate_ii_imu" if way.mission == "level" else "pirate_ii")
     order = Order(
         way.mission,
         backend,
@@ -145,7 +152,10 @@ def case_of(
         settings=settings,
         seed=number,
         start_jitter_m=_START_JITTER_M,
-        defects=tuple(_defect(lot, name, str(robot)) for name in _names(lot, str(robot), count)),
+        numbers=robot,
+        defects=tuple(
+            _defect(lot, name, str(profile)) for name in _names(lot, str(profile), count)
+        ),
         detector=detector,
     )
     asked_m = None if way.asked is None else way.asked * driven_m

@@ -193,6 +193,17 @@ def test_a_wait_asks_for_a_bound_of_its_own(run, tmp_path: Path) -> None:
     assert "must be known within 6 mm" in narrow.ended.message
 
 
+@pytest.mark.parametrize("mission", ["drive_on", pytest.param("climb", marks=pytest.mark.thorough)])
+def test_tyres_that_resist_rolling_do_not_slip_while_they_drag_dead_wheels(
+    run, mission: str
+) -> None:
+    resisting = {"tyre.rolling_resistance": "0.02"}
+
+    ended = run(mission, defects=("wheels_3_4_dead",), numbers=resisting).ended
+
+    assert ended.outcome == "succeeded", ended.message
+
+
 def test_belief_in_a_distance_that_fails_at_the_end_leads_to_its_handler(
     run, tmp_path: Path
 ) -> None:

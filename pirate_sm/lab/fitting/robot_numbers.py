@@ -115,7 +115,10 @@ def robot_numbers(measured: Sequence[MeasuredFile], stream: int = 0) -> list[Rob
             speeds[each.motor] = each.estimate.high
     rolling = [_resisted(each, profile, speeds, quiet_nm) for each in shown]
     resistance = rolling_resistance(np.concatenate(rolling), stream)
-    return [*found, *_frictions(shown, profile, stream), RobotNumber("", ROLLING, "", resistance)]
+    believed = profile.simulation.tyre.rolling_resistance
+    more = resistance.value - believed if resistance.known else 0.0
+    frictions = _frictions(shown, profile, more, stream)
+    return [*found, *frictions, RobotNumber("", ROLLING, "", resistance)]
 
 
 def _with_motors(
@@ -274,9 +277,17 @@ def _estimate(
 
 
 def _frictions(
-    measured: Sequence[MeasuredFile], profile: Profile, stream: int
+    measured: Sequence[MeasuredFile], profile: Profile, resisted: float, stream: int
 ) -> Iterator[RobotNumber]:
-    """Yield kinetic friction of each part, where the profile derives it for its wheels."""
+    """Yield kinetic friction of each part, where the profile derives it for its wheels.
+
+    Args:
+        measured: The recordings.
+        profile: Of the robot.
+        resisted: By how much more its tyres resist rolling than the engine believed, which took
+            that much of what they resist for friction.
+        stream: Of the draws.
+    """
     names = [wheel.name for wheel in profile.body.wheels]
     signals = SlipSignalNames(radius_m=profile.body.wheel_radius)
     for part in profile.body.parts:
@@ -284,7 +295,7 @@ def _frictions(
             str(names.index(wheel.name) + 1) for wheel in profile.body.wheels if wheel.part == part
         ]
         rows = [
-            _known_friction(each.columns, number, signals)
+            _known_friction(each.columns, number, signals) - [resisted, 0.0]
             for each in measured
             for number in numbers
             if has(each.columns, [signals.known.format(number), signals.torque.format(number)])

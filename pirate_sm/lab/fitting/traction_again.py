@@ -46,7 +46,8 @@ def signals_with(path: Path, motors: Mapping[str, Motor]) -> Columns | None:
         slots = enumerate(loaded.loaded_robot.profile.slots)
         known = {n: motors[slot.motor] for n, slot in slots if slot.motor in motors}
         motors_spec = spec.with_motors(
-            {n: (motor.stall_torque, motor.no_load_speed) for n, motor in known.items()}
+            {n: (motor.stall_torque, motor.no_load_speed) for n, motor in known.items()},
+            loaded.loaded_robot.profile.simulation.tyre.rolling_resistance,
         )
         slipping, after_gaps = None, {gap.step for gap in recording.gaps}
         for each in rerun(recording, loaded):

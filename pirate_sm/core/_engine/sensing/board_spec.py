@@ -277,6 +277,7 @@ class WheelTraction(NamedTuple):
         metres_per_rad: How far ahead it rolls.
         stall_nm: Torque of its motor at full duty when it stands.
         no_load_rad_s: Speed of its motor at full duty without load.
+        resists: Force that resists the rolling of its tyre, over its normal force.
         slip_speed: Target, m/s; positive where the rim is faster than the body.
         slip: Target, slip ratio (thesis eq. 2-1).
         normal_force: Target, N.
@@ -295,6 +296,7 @@ class WheelTraction(NamedTuple):
     metres_per_rad: float
     stall_nm: float
     no_load_rad_s: float
+    resists: float = 0.0
     slip_speed: int = -1
     slip: int = -1
     normal_force: int = -1
@@ -350,17 +352,22 @@ class TractionSpec(NamedTuple):
             shared.append(self.robot_speed)
         return (*shared, *(index for wheel in self.wheels for index in wheel.targets))
 
-    def with_motors(self, motors: Mapping[int, tuple[float | None, float | None]]) -> TractionSpec:
-        """Return the same with other motors of the wheels.
+    def with_motors(
+        self, motors: Mapping[int, tuple[float | None, float | None]], resists: float
+    ) -> TractionSpec:
+        """Return the same with other motors and tyres of the wheels.
 
         Args:
             motors: Stall torque and speed without load by slot; what is none stays as it is.
+            resists: Force that resists the rolling of a tyre, over its normal force.
         """
         given = [(wheel, *motors[wheel.slot]) for wheel in self.wheels]
         return self._replace(
             wheels=tuple(
                 wheel._replace(
-                    stall_nm=stall or wheel.stall_nm, no_load_rad_s=no_load or wheel.no_load_rad_s
+                    stall_nm=stall or wheel.stall_nm,
+                    no_load_rad_s=no_load or wheel.no_load_rad_s,
+                    resists=resists,
                 )
                 for wheel, stall, no_load in given
             )

@@ -128,7 +128,8 @@ def judge(
     ]
     by = believed(robot, sensing, setpoints, rolled_m, now_s)
     joints = _joints(robot, sensing)
-    elapsed_s, grip = now_s - memory.at_s, judge_grip(robot, sensing, setpoints, by, pitch_rad)
+    elapsed_s = now_s - memory.at_s
+    grip = judge_grip(robot, sensing, setpoints, by, pitch_rad, held)
     turns, begun_s, changed_s = _changed(robot, sensing, setpoints)
     changes = now_s - changed_s < _STARTING_S
     ways_m = [abs(speed * elapsed_s - by.moved_m) for speed in grip.speeds]

@@ -5,8 +5,9 @@ speeds that agree with each other; a slip that all wheels have in common does no
 slip and friction are unknown then.
 
 A wheel's friction is the least-squares fit F = mu N over the frames in which it slips steadily, in
-the way that it is driven, and its motor is not at its limit. Old frames are forgotten by degrees.
-At other times it is unknown; the friction that is used is then a lower bound of it.
+the way that it is driven, and its motor is not at its limit; F is what the motor gives less what
+resists the rolling of the tyre. Old frames are forgotten by degrees. At other times it is unknown;
+the friction that is used is then a lower bound of it.
 
 The estimates cost as much as a frame of a board. They are made in every round where a condition, a
 criterion or a grip reads one of them, or while there is something to remember; else when somebody
@@ -64,7 +65,7 @@ def with_traction(
         now_s: When it is.
     """
     numbers, held = list(sensing.numbers), min(robot.held[configuration], default=-1)
-    normal_n = _normal_forces(robot, spec, numbers, setpoints, held, around)
+    normal_n = normal_forces(robot, spec, numbers, setpoints, held, around)
     traction = estimate(spec, sensing.traction, numbers, setpoints, normal_n, now_s)
     return sensing._replace(numbers=tuple(numbers), traction=traction)
 
@@ -128,8 +129,8 @@ def estimate(
         numbers[spec.robot_speed] = _robot_speed(spec, numbers, measured_m_s)
     slips = [_slip(spec, before, numbers, at) for at in range(len(spec.wheels))]
     slipping = tuple(
-        _wheel(wheel, old, force_n, numbers, setpoints[wheel.slot], slip, now_s)
-        for wheel, old, force_n, slip in zip(
+        _wheel(wheel, old, pressed_n, numbers, setpoints[wheel.slot], slip, now_s)
+        for wheel, old, pressed_n, slip in zip(
             spec.wheels, before.slipping, normal_n, slips, strict=True
         )
     )
@@ -163,13 +164,14 @@ def _wheel(
 ) -> Slipping:
     """Fill in the signals of one wheel; return what is remembered of its slipping."""
     slip_m_s = slip.slip_m_s
-    force_n = torque_nm(wheel, numbers, setpoint) / wheel.metres_per_rad
+    torque = torque_nm(wheel, numbers, setpoint)
+    force_n = torque / wheel.metres_per_rad - _resisting_n(wheel, normal_n, numbers)
     _put_slip(wheel, slip, numbers)
     _put(numbers, wheel.normal_force, normal_n)
     _put(numbers, wheel.friction_used, abs(force_n) / normal_n if normal_n > 0 else nan)
     way = setpoint * wheel.metres_per_rad
     slips = way * slip_m_s > 0 and abs(slip_m_s) > wheel.slip_above_m_s
-    limited = not abs(force_n * wheel.metres_per_rad) < AT_LIMIT * wheel.stall_nm
+    limited = not abs(torque) < AT_LIMIT * wheel.stall_nm
     if isnan(slip_m_s) and now_s - before.seen_s <= wheel.steady_s:
         _put(numbers, wheel.friction, nan)
         return before  # a frame without a value, or a ruler that is silent for a moment
@@ -185,6 +187,12 @@ def _wheel(
     weight = after.normal_squared
     _put(numbers, wheel.friction, after.force_normal / weight if weight > 0 else nan)
     return after
+
+
+def _resisting_n(wheel: WheelTraction, normal_n: float, numbers: Sequence[float]) -> float:
+    """Return what a turning tyre takes of its motor's force along the pipe; 0 while it stands."""
+    ahead_m_s = numbers[wheel.speed] * wheel.metres_per_rad
+    return copysign(wheel.resists * normal_n, ahead_m_s) if abs(ahead_m_s) > 0 else 0.0
 
 
 def _put(numbers: list[float], target: int, value: float) -> None:
@@ -205,7 +213,7 @@ def torque_nm(wheel: WheelTraction, numbers: Sequence[float], duty: float) -> fl
     return copysign(numbers[wheel.torque], duty - numbers[wheel.speed] / wheel.no_load_rad_s)
 
 
-def _normal_forces(
+def normal_forces(
     robot: RobotSpec,
     spec: TractionSpec,
     numbers: Sequence[float],
@@ -225,7 +233,16 @@ def _normal_forces(
     braked = [setpoints[wheel.slot] == 0 for wheel in spec.wheels]
     couples = couples_nm(joints, torques, spec.mounts)
     loads = ChainLoads(headings, couples, drives, braked, gravity_m_s2(around)[:2])
-    return tuple(normal_forces_n(body.lengths_m, spec.masses_kg, body.sides, loads))
+    pressed_n = normal_forces_n(body.lengths_m, spec.masses_kg, body.sides, loads)
+    if any(wheel.resists for wheel in spec.wheels):
+        # What resists goes by these forces; the walls get the rest of what the motors give.
+        left_n = [
+            drive_n - _resisting_n(wheel, max(0.0, each_n), numbers)
+            for wheel, drive_n, each_n in zip(spec.wheels, drives, pressed_n, strict=True)
+        ]
+        less = loads._replace(drives_n=left_n)
+        pressed_n = normal_forces_n(body.lengths_m, spec.masses_kg, body.sides, less)
+    return tuple(pressed_n)
 
 
 def gravity_m_s2(around: Environment) -> Vector:

@@ -7,7 +7,8 @@ is taken out of the odometry again. It is believed again once it has turned with
 A wheel slips only with the friction of its wall along its rim, so slip shows in the forces. If the
 wheels together give what gravity asks for and all turn alike, they roll: wheels that slip turn as
 fast as their loads let them, and these differ. Wheels that give more push against something; while
-they give less the robot slides. Dead wheels may hold the robot with any force up to their drag.
+they give less the robot slides. What resists the rolling of tyres is neither. Dead wheels may hold
+the robot with any force up to their drag.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.sensing.board_spec import WheelSpec
 from pirate_sm.core._engine.sensing.known_signals import Sensing
+from pirate_sm.core._engine.sensing.traction import normal_forces
 from pirate_sm.core._geometry.space import GRAVITY_M_S2
+from pirate_sm.core.effects import Environment
 
 # --- which wheels odometry believes -----------------------------------------------------------
 
@@ -180,6 +183,10 @@ _SPREAD = 0.05
 _WITH = 0.1
 """A wheel turns with the others whose speed differs from theirs by up to this share [decided]."""
 
+_RESISTS = 0.03
+"""Tyres may resist rolling by up to this share of what they press with: rubber on a hard wall
+[assumed]."""
+
 _FEW = 3
 """So many wheels press differently, so that they do not turn alike while they slip."""
 
@@ -201,9 +208,23 @@ class WheelGrip(NamedTuple):
 
 
 def judge_grip(
-    robot: RobotSpec, sensing: Sensing, setpoints: Numbers, by: Believed, pitch_rad: float
+    robot: RobotSpec,
+    sensing: Sensing,
+    setpoints: Numbers,
+    by: Believed,
+    pitch_rad: float,
+    held: Collection[int] = (),
 ) -> WheelGrip:
-    """Return whether the wheels may slip, by what they have shown in a round."""
+    """Return whether the wheels may slip, by what they have shown in a round.
+
+    Args:
+        robot: The robot.
+        sensing: The signals.
+        setpoints: The active ones, per slot.
+        by: What the wheels have rolled in the round.
+        pitch_rad: By how much the pipe climbs; NaN is unknown.
+        held: The parts that are clamped.
+    """
     numbers, weight_n = sensing.numbers, robot.body.weight_n
     driven = [wheel for wheel in robot.wheels if setpoints[wheel.slot]]
     recent_s = sensing.distance.at_s - robot.link.period_s
@@ -237,22 +258,44 @@ def judge_grip(
     top_m_s = max(wheel.top_m_s for wheel in driven)
     ends = (min(speeds), max(speeds)) if speeds else (0.0, top_m_s)
     unalike = ends[1] - ends[0] > _ALIKE * top_m_s
-    if drag_n and turning:  # a loop keeps its wheel at a speed; then loads show in the duties
+    pushes, lacks = excess_n > slack_n, excess_n < -slack_n and not isnan(pitch_rad)
+    sinks = lacks and fmean(speeds or [0.0]) * pitch_rad < 0  # what resists holds it back, too
+    resisted = (pushes or sinks) and abs(excess_n) - slack_n <= _RESISTS * _pressed_n(
+        robot, sensing, setpoints, pitch_rad, held
+    )
+    # A loop keeps its wheel at a speed; then loads show in the duties.
+    if (drag_n or resisted) and turning:
         duties = [abs(setpoints[wheel.slot]) for wheel in turning]
         unalike |= max(duties) - min(duties) > _ALIKE
     steep = felt and asked_n + drag_n > BALANCED * weight_n
-    lacks = excess_n < -slack_n and not isnan(pitch_rad)
-    slips = excess_n > slack_n or lacks or (steep and (unalike or len(turning) < _FEW))
+    slips = (pushes or lacks) and not resisted
+    slips |= steep and (unalike or len(turning) < _FEW)
     if not slips and not unalike:
         return WheelGrip()
     gripping = _gripping(robot, numbers, turning, setpoints)
-    if not gripping and excess_n > slack_n and felt and not steep:
+    if not gripping and pushes and felt and not steep:
         gripping = _carried(numbers, setpoints, turning)
     if gripping or not slips:
         return WheelGrip(speeds=gripping or ends)
     pull_n = min(asked_n, slack_n - excess_n) if steep and weight_n else 0.0
     vague = len(turning) < _FEW <= len(by.wheels)
     return WheelGrip(True, ends, pull_n / weight_n * GRAVITY_M_S2 if pull_n else 0.0, vague)
+
+
+def _pressed_n(
+    robot: RobotSpec,
+    sensing: Sensing,
+    setpoints: Numbers,
+    pitch_rad: float,
+    held: Collection[int],
+) -> float:
+    """Return how hard all wheels press; 0 where it is unknown."""
+    if robot.traction is None:
+        return 0.0
+    around = Environment("", nan, pitch_rad, nan)
+    part = min(held, default=-1)
+    each_n = normal_forces(robot, robot.traction, sensing.numbers, setpoints, part, around)
+    return 0.0 if isnan(sum(each_n)) else sum(max(0.0, each) for each in each_n)
 
 
 def _carried(numbers: Numbers, setpoints: Numbers, turning: Sequence[WheelSpec]) -> list[float]:

@@ -243,6 +243,7 @@ def _wheel_traction(
         wheel.metres_per_rad,
         motor.stall_torque or 0.0,
         motor.no_load_speed or inf,
+        profile.simulation.tyre.rolling_resistance,
         slip_speed=signals.derived_by(kinds.SlipSpeedOf, slip_speed_of=name),
         normal_force=signals.derived_by(kinds.NormalForceOf, normal_force_of=name),
         friction_used=signals.derived_by(kinds.FrictionUsedOf, friction_used_of=name),

@@ -5,6 +5,7 @@ import pytest
 
 import pirate_sm
 from pirate_sm.core._loading.robot.twin import load_twin
+from pirate_sm.lab.fitting import robot_numbers as fitted
 from pirate_sm.lab.fitting.measurements import (
     Estimate,
     MeasuredFile,
@@ -108,6 +109,22 @@ def test_the_numbers_are_written_as_a_file_that_the_simulator_takes(
 def on_paper(measured: MeasuredFile, made: dict[str, np.ndarray]) -> MeasuredFile:
     """What was measured, with some columns of another kind, which no recording holds."""
     return measured._replace(columns={**measured.columns, **made}, recording=None)
+
+
+def test_what_resists_rolling_is_taken_off_the_friction_that_the_engine_has_found(
+    measured: MeasuredFile, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    resists = Estimate(0.02, 0.014, 0.026)
+    monkeypatch.setattr(fitted, "rolling_resistance", lambda *_: resists)
+    made = {
+        f"mu_{number}": np.full(len(measured.columns["time_s"]), 0.22) for number in range(1, 7)
+    }
+    made |= {name.replace("mu", "wheel_torque"): -0.1 + 0 * each for name, each in made.items()}
+
+    found = robot_numbers([on_paper(measured, made)])
+
+    friction = [each.estimate.value for each in found if each.is_friction]
+    assert friction == pytest.approx([0.2, 0.2])
 
 
 def test_friction_is_the_median_where_wheels_slip_under_load(measured: MeasuredFile) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from math import inf, isnan, nan, pi, sqrt
+from math import asin, inf, isnan, nan, pi, sin, sqrt
 
 import pytest
 from driving import PIRATE
@@ -49,6 +49,8 @@ class World:
         speeds: Speed of each wheel, as shares of that at full duty without load.
         force: Force of all wheels along their rims, as a share of the weight.
         forces: Share of each wheel in that.
+        joints_rad: Angle of each joint.
+        torques_nm: What each joint bears.
         spans_m: Inner diameter that each part shows.
         bores_m: Those of the pipe.
     """
@@ -57,7 +59,7 @@ class World:
         self.pitch_rad = pitch_rad
         self.speeds = [SPEED] * 6
         self.force, self.forces = 0.0, [1 / 6] * 6
-        self.joints_rad = [0.0] * 4
+        self.joints_rad, self.torques_nm = [0.0] * 4, [0.0] * 4
         self.spans_m, self.held, self.bores_m = [0.12, 0.12], (0, 1), (0.11, 0.12)
         self.now_s, self.duty = 10.0, 1.0
         self.silent: set[int] = set()
@@ -103,6 +105,10 @@ class World:
             joints = [at for at in robot().body.joints if at >= 0]
             for at, angle in zip(joints, self.joints_rad, strict=True):
                 numbers[at] = angle
+            assert robot().traction is not None
+            torques = [at for at in robot().traction.joint_torques if at >= 0]
+            for at, torque_nm in zip(torques, self.torques_nm, strict=True):
+                numbers[at] = torque_nm
             for part, span_m in zip(robot().body.parts, self.spans_m, strict=True):
                 numbers[part.diameter] = span_m
             self.sensing = self.sensing._replace(
@@ -195,6 +201,53 @@ def test_up_a_pipe_wheels_that_bear_the_weight_roll() -> None:
     world.drive(5)
 
     assert world.drive(10) == pytest.approx(0.006 * way_m(10))
+
+
+def clamped(world: World) -> World:
+    """Both Vs press with 104 N in all, of which 3 % are 0.4 times the weight."""
+    lean, oblique = asin((0.120 - 0.048) / 0.090), asin((0.120 - 0.048) / 0.098)
+    world.joints_rad = [-2 * lean, lean + oblique, -(lean + oblique), 2 * lean]
+    world.torques_nm = [-0.7, 0.0, 0.0, 0.7]
+    return world
+
+
+@pytest.mark.parametrize("pitch_rad", [LEVEL, 0.1, UP])
+@pytest.mark.parametrize("dead", [(), (2, 3), (0, 1, 2)])
+def test_motors_that_overcome_what_resists_rolling_push_against_nothing(
+    pitch_rad: float, dead: tuple[int, ...]
+) -> None:
+    world = clamped(World(pitch_rad))
+    world.force = sin(pitch_rad) + 0.6
+    for at in dead:
+        world.speeds[at] = 0.0
+    world.forces = [0.0 if at in dead else 1 / (6 - len(dead)) for at in range(6)]
+    world.force += sum(robot().wheels[at].drag_n for at in dead) / robot().body.weight_n
+    world.drive(15)
+
+    assert world.sensing.distance.out == set(dead)
+    assert world.drive(10) == pytest.approx(0.006 * way_m(10))
+
+
+def test_what_resists_rolling_bears_weight_of_a_robot_that_drives_down() -> None:
+    world = clamped(World(-UP))
+    world.speeds[2] = world.speeds[3] = 0.0
+    dragged = 2 * robot().wheels[2].drag_n / robot().body.weight_n
+    world.force, world.forces = 1.0 - dragged - 0.35, [0.25, 0.25, 0.0, 0.0, 0.25, 0.25]
+    world.drive(15)
+
+    assert world.drive(10) == pytest.approx(0.006 * way_m(10))
+    assert world.sensing.distance.sliding_m_s == 0.0
+
+
+@pytest.mark.parametrize(("pitch_rad", "force"), [(LEVEL, 0.9), (UP, 1.6)])
+def test_belief_ends_where_motors_overcome_more_or_wheels_turn_unalike_on_a_slope(
+    pitch_rad: float, force: float
+) -> None:
+    world = slipping(clamped(World(pitch_rad)))
+    world.force = force
+    world.drive(5)
+
+    assert world.drive(5) > 0.8 * way_m(5, 0.7)
 
 
 def slipping(world: World) -> World:

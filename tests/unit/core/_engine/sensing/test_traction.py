@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from math import asin, cos, isnan, nan
+from pathlib import Path
+from shutil import copytree
 
 import pytest
 from driving import DRIVING_FORWARD, IDLE, PIRATE, Driver
@@ -170,6 +172,48 @@ def test_friction_is_known_after_half_a_second_of_slip(rolling):
     assert robot["mu_estimate_front"] == robot["mu_1"]
     for name in ("mu_2", "mu_6", "mu_estimate_rear"):
         assert isnan(robot[name])
+
+
+def tyres_that_resist(folder: Path, share: float) -> Path:
+    """A copy of the robot whose tyres resist rolling by this share of their normal forces."""
+    copytree(PIRATE, folder)
+    profile = (folder / "profile.yaml").read_text(encoding="utf-8")
+    assert "\nsimulation:\n" in profile
+    with_tyre = f"\nsimulation:\n  tyre: {{rolling_resistance: {share}}}\n"
+    (folder / "profile.yaml").write_text(profile.replace("\nsimulation:\n", with_tyre), "utf-8")
+    return folder
+
+
+@pytest.mark.parametrize("states", [DRIVING_FORWARD, DRIVING_BACKWARD])
+def test_what_resists_rolling_is_not_friction(drive, tmp_path, states):
+    way = 1 if states is DRIVING_FORWARD else -1
+    robot = Rolling(drive(CARELESS, tyres_that_resist(tmp_path / "robot", 0.02), states=states))
+    robot.driver.signals |= currents(60)
+    robot.go(1.5, way * 0.02, way * 0.02)
+
+    robot.go(1.5, way * 0.02, {1: way * 0.1, **dict.fromkeys(range(2, 7), way * 0.02)})
+
+    for wheel in robot.driver.robot.wheels:
+        each = wheel.place + 1
+        share = 0.06 * wheel.n_per_a / robot[f"normal_force_{each}"]
+        assert robot[f"mu_used_{each}"] == pytest.approx(share - 0.02, abs=1e-3)
+    assert robot["mu_1"] == pytest.approx(robot["mu_used_1"], rel=0.02)
+
+
+def test_motors_that_only_overcome_what_resists_rolling_push_against_nothing(drive, tmp_path):
+    """Its wheels press as if no motor gave anything, for that is what the walls get."""
+    still = Rolling(drive(CARELESS, PIRATE, states=DRIVING_FORWARD)).go(1.5, 0.0, 0.0)
+    tyres = tyres_that_resist(tmp_path / "robot", 0.02)
+    robot = Rolling(drive(CARELESS, tyres, states=DRIVING_FORWARD))
+    pressed_n = [still[f"normal_force_{wheel}"] for wheel in range(1, 7)]
+    for wheel, normal_n in zip(robot.driver.robot.wheels, pressed_n, strict=True):
+        current = f"wheel_current_{wheel.place + 1}"
+        robot.driver.signals |= {current: 0.02 * normal_n / wheel.n_per_a}
+
+    robot.go(1.5, 0.02, 0.02)
+
+    found_n = [robot[f"normal_force_{wheel}"] for wheel in range(1, 7)]
+    assert found_n == pytest.approx(pressed_n, rel=0.06)  # motors react on their links
 
 
 def test_friction_is_unknown_again_as_soon_as_the_wheel_grips(rolling):
