@@ -18,7 +18,9 @@ def share(image: Any, role: str) -> float:
 
 
 @pytest.mark.parametrize(
-    "options", [{}, {"pipe": "tests/pipes/house.yaml"}], ids=["planar", "round"]
+    "options",
+    [{}, pytest.param({"pipe": "tests/pipes/house.yaml"}, marks=pytest.mark.thorough)],
+    ids=["planar", "round"],
 )
 def test_a_picture_shows_the_robot_in_its_pipe_and_what_holds(options: dict[str, Any]) -> None:
     environment = made(render_mode="rgb_array", **options)

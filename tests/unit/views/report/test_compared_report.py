@@ -20,6 +20,7 @@ def test_time_is_stretched_between_common_marks_and_runs_on_after_them() -> None
     assert Alignment(()).at(3.0) == pytest.approx(3.0)
 
 
+@pytest.mark.thorough
 def test_two_runs_that_part_are_in_one_report(recording: Callable[[str], Path]) -> None:
     first, second = (read_recording(recording(name)) for name in ("bend", "dead"))
 

@@ -17,6 +17,7 @@ from pirate_sm.views.report.changes import changes
 from pirate_sm.views.report.contents import Report
 from pirate_sm.views.report.live_report import Edition, LiveReport
 from pirate_sm.views.report.report_page import fragments, report_json
+from tests.representative import thorough_but
 
 from .test_changes import applied
 
@@ -51,7 +52,7 @@ def no_pauses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(live_report, "POLL_S", 0.001)
 
 
-@pytest.mark.parametrize("name", ["dead", pytest.param("bend", marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("name", thorough_but({"patrol"}, ("patrol", "dead", "bend")))
 def test_the_last_edition_of_a_page_is_the_report_of_its_recording(
     recording: Callable[[str], Path], report: Callable[[str], Report], tmp_path: Path, name: str
 ) -> None:
