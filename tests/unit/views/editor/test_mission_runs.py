@@ -147,7 +147,7 @@ def test_a_run_uses_the_simulator_even_where_a_real_robot_is_set(tmp_path: Path)
 
         assert report.suffix == ".html"
         assert "drive" in report.read_text("utf-8")
-        assert "Driven 0.2 m" in client.message("window/showMessage")["message"]
+        assert "Driven 200 mm" in client.message("window/showMessage")["message"]
 
 
 @pytest.mark.thorough
