@@ -27,6 +27,7 @@ COMMANDS = {
     "lsp": ("checks:LspOptions", "lsp:serve_editor"),
     "explain": ("checks:ExplainOptions", "explain:explain_code"),
     "diff": ("checks:DiffOptions", "diff:run_diff"),
+    "coverage": ("checks:CoverageOptions", "coverage:measure_coverage"),
     "graph": ("files:GraphOptions", "graph:draw_graph"),
     "import": ("files:ImportOptions", "import_chart:import_chart"),
     "plan": ("files:PlanOptions", "plan:print_plan"),

@@ -10,6 +10,8 @@ from pirate_sm.core._engine.mission.program import (
     HERE,
     STOP,
     Branch,
+    BranchKey,
+    BranchKind,
     Do,
     Enter,
     Finish,

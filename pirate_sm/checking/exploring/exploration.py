@@ -23,7 +23,7 @@ from pirate_sm.core.effects import (
 )
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.expressions import Vocabulary
-from pirate_sm.core.program import ROUND_AND_ROUND, Program
+from pirate_sm.core.program import ROUND_AND_ROUND, BranchKey, Program
 from pirate_sm.core.robot import RobotSpec, safety
 from pirate_sm.core.units import format_quantity
 
@@ -92,6 +92,7 @@ class Exploration:
         complete: False if the exploration reached its limits.
         work: The work done, limited by ``MOST_WORK``.
         branches: By the place of each branch the values of its condition.
+        taken: By each branch of the mission that is taken the first step that takes it.
     """
 
     program: Program
@@ -101,6 +102,7 @@ class Exploration:
     complete: bool = True
     work: float = 0.0
     branches: Mapping[str, set[BranchAnswers]] = field(default_factory=dict)
+    taken: dict[BranchKey, int] = field(default_factory=dict)
     _mishaps: list[int] = field(default_factory=list)
 
     def path(self, step: int) -> list[ExploredStep]:

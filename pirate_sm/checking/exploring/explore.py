@@ -37,7 +37,7 @@ from pirate_sm.core.effects import Effect, Setpoints, StateChange, TriggerFired,
 from pirate_sm.core.engine import Engine, EngineState, has_come
 from pirate_sm.core.events import Tick
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.program import Do, Program, Raise, Require, Say, TriggerSpec, Wait
+from pirate_sm.core.program import BranchKey, Do, Program, Raise, Require, Say, TriggerSpec, Wait
 from pirate_sm.core.robot import RobotSpec, RobotState
 
 # --- sensors that alternate ----------------------------------------------------------------------
@@ -148,8 +148,10 @@ def explore(
     oracle = Oracle(conditions, robot.table.configurations[program.start_configuration])
     program = _telling(replace(program, time_limit_s=inf, most_phases=inf))
     asking = oracle.program(program)
+    taken: list[BranchKey] = []
     walk = _Walk(
-        Engine(robot, asking, nominal=True),
+        Engine(robot, asking, nominal=True, taken=taken),
+        taken,
         oracle,
         Moves(robot, asking, conditions),
         Exploration(program, robot, branches=oracle.branches),
@@ -185,11 +187,13 @@ class _Arrival(NamedTuple):
     state: EngineState
     effects: tuple[Effect, ...]
     moment: StepAnswers
+    taken: tuple[BranchKey, ...]
 
 
 @dataclass
 class _Walk:
     engine: Engine
+    taken: list[BranchKey]
     oracle: Oracle
     moves: Moves
     found: Exploration
@@ -281,7 +285,9 @@ class _Walk:
                 if known is None or any(
                     isinstance(each, TriggerFired) and each.trigger not in known for each in effects
                 ):
-                    self._arrive(_Arrival(source, move, state, effects, moment))
+                    taken = tuple(self.taken)
+                    self._arrive(_Arrival(source, move, state, effects, moment, taken))
+                self.taken.clear()
                 more = (conditions.tests - tests) / _TESTS_A_STEP
                 tests = conditions.tests
                 self.found.work += 1 + len(effects) / _EFFECTS_A_STEP + more
@@ -311,6 +317,8 @@ class _Walk:
                 ExploredState(it.state, it.move.at_s, len(self.found.steps), sure)
             )
             (self._sure if sure else self._unsure).append(target)
+        for branch in it.taken:
+            self.found.taken.setdefault(branch, len(self.found.steps))
         self.found.steps.append(ExploredStep(it.source, target, it.move, told, it.moment, sure))
 
 

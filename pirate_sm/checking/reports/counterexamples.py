@@ -67,13 +67,15 @@ def write_counterexample(
     head += ["", *(f"{number}. {each}" for number, each in enumerate(finding.story, 1))]
     lines = (line for part in head for line in part.splitlines() or [""])
     comment = "".join(f"# {line}".rstrip() + "\n" for line in lines)
-    found, number = finding.course[0]
-    course = [_happening(found, step) for step in found.path(number)]
-    text = yaml.safe_dump(
-        {"format": 1, "course": course}, allow_unicode=True, sort_keys=False, width=100
-    )
-    script.write_text(comment + text, encoding="utf-8")
+    script.write_text(comment + course_text(*finding.course[0]), encoding="utf-8")
     return replace(finding, example=str(script))
+
+
+def course_text(found: Exploration, step: int) -> str:
+    """Return the script of a trace in which everything happens that leads to this step."""
+    course = [_happening(found, each) for each in found.path(step)]
+    whole = {"format": 1, "course": course}
+    return yaml.safe_dump(whole, allow_unicode=True, sort_keys=False, width=100)
 
 
 def usual_name(finding: Finding) -> str:

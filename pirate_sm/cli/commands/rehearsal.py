@@ -13,14 +13,13 @@ from pirate_sm.core.companion import CompanionBase
 from pirate_sm.core.effects import Effect, TriggerFired, WaitArmed
 from pirate_sm.core.engine import has_come
 from pirate_sm.core.errors import ExitCode, UsageError
-from pirate_sm.core.events import Event
 from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Wait
 from pirate_sm.running.runtime.ending import Stop, StopRequests
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.near_misses import NearMiss, NearMisses
-from pirate_sm.running.runtime.scripted_events import CoursePlayer, FirstChoice
+from pirate_sm.running.runtime.scripted_events import CoursePlayer, FirstChoice, Patience
 from pirate_sm.running.wiring import Order, prepare
 from pirate_sm.running.wiring.backends import read_script
 from pirate_sm.views.drawing.graph.highlight import RunPath
@@ -28,9 +27,6 @@ from pirate_sm.views.drawing.graph.highlight import Stop as Reached
 
 # --- rehearsals ---------------------------------------------------------------------------------
 
-
-LONGEST_S = 3600.0
-"""A mission that has not ended by then is stopped."""
 
 MOST_CALLS = 5
 LEAST_SHARE = 0.1
@@ -96,7 +92,7 @@ def _run(
         observers=[early],
         requests=requests,
         tap=calls,
-        companions=(*prepared.companions, FirstChoice(), _Patience(requests)),
+        companions=(*prepared.companions, FirstChoice(), Patience(requests)),
     )
     calls.follow(lambda: run.state)
     result = run.execute()
@@ -136,21 +132,6 @@ class _Early:
                     continue
                 if has_come(self._armed_s[effect.phase] + trigger.held_s, now_s):
                     self.found[trigger.place] = trigger.condition.text
-
-
-class _Patience(CompanionBase):
-    """A companion that stops a run that does not end by itself."""
-
-    def __init__(self, requests: StopRequests) -> None:
-        self._requests = requests
-        self.due_s = LONGEST_S
-
-    def speak(self, now_s: float) -> Sequence[Event]:
-        """Ask the run to end; return no event."""
-        self.due_s = inf
-        reason = f"it had not ended after {LONGEST_S:g} s"
-        self._requests.ask(Stop(reason, 1))
-        return ()
 
 
 # --- counterexamples ----------------------------------------------------------------------------

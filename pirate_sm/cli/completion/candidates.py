@@ -126,6 +126,9 @@ missions = _of(library.missions, lambda path: _is(path, {"mission"}))
 missions_or_recordings = _of(
     library.missions, lambda path: path.suffix == RECORDING or _is(path, {"mission"})
 )
+coverable = _of(
+    library.missions, lambda path: path.suffix == RECORDING or _is(path, {"campaign", "mission"})
+)
 campaigns = _of(library.missions, lambda path: _is(path, {"campaign", "mission"}))
 pipes = _of(library.pipes, lambda path: _is(path, {"pipe"}))
 cameras = _of(library.cameras, lambda path: _is(path, {"camera"}))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 from pirate_sm.cli.completion import candidates
@@ -61,6 +62,58 @@ class CheckOptions(CommandOptions):
     seeds: int = typed("How often each is rehearsed.", min=1, default=1)
     outside: bool = flag("Follow `call` and `pipe` out of the project.", "--outside")
     no_cache: bool = flag("Check all files again, and keep no results.", "--no-cache")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoverageOptions(CommandOptions):
+    """Show which branches of missions runs have taken.
+
+    Branches are triggers, time limits, conditions, answers, failures, retries, handlers of faults
+    and phases in which a run is resumed. The check's exploration says which are possible.
+
+    Exit codes: 0 enough were taken, 1 fewer than --at-least, 2 usage, or there is nothing to read.
+    """
+
+    paths: list[str] | None = argument(
+        "[PATH]...",
+        candidates.coverable,
+        "Missions, campaigns, recordings, and folders of them. Without a mission the recordings' "
+        "own; without any path the project's missions and the folder of recordings.",
+        default=None,
+    )
+    rehearse: int = typed(
+        "Run missions and cells of campaigns in the simulator with so many seeds.",
+        "--rehearse",
+        min=0,
+        default=0,
+    )
+    evidence: Literal["model", "trace", "simulated", "robot"] = typed(
+        "The weakest evidence by which a branch counts as taken.", "--evidence", default="simulated"
+    )
+    at_least: float = typed(
+        "Exit with 1 if fewer branches were taken, in percent.", "--at-least",
+        min=0, max=100, default=0.0,
+    )  # fmt: skip
+    lines: bool = flag("Show the lines of the files, as for one mission.", "--lines")
+    format: Literal["text", "json"] = typed(
+        "What is written to standard output.", "--format", default="text"
+    )
+    html: Path | None = option("FILE", candidates.files, "Write a page with the lines.")
+    lcov: Path | None = option("FILE", candidates.files, "Write a file for editors and CI.")
+    write_missing: Path | None = option(
+        "FOLDER",
+        candidates.folders,
+        "Look for runs that take the other branches, and write them as scenes.",
+    )
+    tries: int = typed(
+        "How many runs of a mission are tried in the simulator for that.", min=0, default=60
+    )
+    robot: str | None = common.robot_of_missions()
+    pipe: str | None = common.pipe_of_missions()
+    settings: list[str] | None = option(
+        "NAME=VALUE", candidates.parameters, "A parameter's value, for all missions.", "--set"
+    )
+    overwrite: bool = common.overwrite()
 
 
 @dataclass(frozen=True, kw_only=True)

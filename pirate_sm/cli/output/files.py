@@ -22,6 +22,7 @@ _TAIL = 100_000
 
 _MARKS: dict[str, tuple[bytes, ...]] = {
     ".html": (GENERATOR,),
+    ".info": (b"TN:pirate-sm\n",),
     ".md": (b" from the robot's profile and chart. -->",),
     ".svg": (
         b'<svg xmlns="http://www.w3.org/2000/svg" class="drawing" role="img"',

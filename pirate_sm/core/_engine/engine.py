@@ -12,7 +12,12 @@ from typing import TYPE_CHECKING
 
 from pirate_sm.core._engine import inputs, safety
 from pirate_sm.core._engine.consequences import settle
-from pirate_sm.core._engine.mission.program import Program, signals_read, slip_watched
+from pirate_sm.core._engine.mission.program import (
+    BranchKey,
+    Program,
+    signals_read,
+    slip_watched,
+)
 from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.records import Numbers
 from pirate_sm.core._engine.robot import commands, declared_states, robot_state
@@ -48,6 +53,8 @@ class Engine:
             of slip and friction that nothing reads; they take some time.
         alphabet: The version of the alphabet by whose rules it decides: that of a recording in its
             replay.
+        taken: Receives each branch of the mission that is taken, see
+            :mod:`pirate_sm.core.branches`; None: nothing counts them.
     """
 
     def __init__(
@@ -58,11 +65,13 @@ class Engine:
         nominal: bool,
         every_signal: bool = False,
         alphabet: int = events.ALPHABET_VERSION,
+        taken: list[BranchKey] | None = None,
     ) -> None:
         self.robot = robot
         self.program = program
         self.nominal = nominal
         self.alphabet = alphabet
+        self._taken = taken
         spec = robot.traction
         read = signals_read(robot, program)
         self._follows_traction = (not nominal and spec is not None) and (
@@ -137,12 +146,15 @@ class Engine:
         if not self.nominal:
             now = Evidence("sensor", now_s, state.sensing.connection)
             state = state._replace(proofs=proofs_at_start(self.robot, robot, now))
-        moment = Moment(self.robot, self.program, self.nominal, now_s, alphabet=self.alphabet)
+        moment = Moment(
+            self.robot, self.program, self.nominal, now_s, False, self.alphabet, self._taken
+        )
         moment.emit(robot_state.state_change(self.robot, robot))
         for report in seen:
             if isinstance(report, events.SignalReport):
                 state = inputs.signal_report(moment, state, report)
         if resumed is not None:
+            moment.take("resume", self.program.taken_up)
             state = state._replace(robot=commands.stop(moment, state.robot, state.sensing))
         return settle(moment, state, state), tuple(moment.effects)
 
@@ -167,7 +179,8 @@ class Engine:
         if state.mission.ended:
             return state, ()
         follows, alphabet = self.follows_slip(state), self.alphabet
-        moment = Moment(self.robot, self.program, self.nominal, now_s, follows, alphabet)
+        of = self.robot, self.program, self.nominal
+        moment = Moment(*of, now_s, follows, alphabet, self._taken)
         if type(event) is events.SensorFrame:  # the most frequent event
             after = inputs.frame(moment, state, event)
         else:

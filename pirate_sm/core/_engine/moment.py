@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pirate_sm.core._engine.mission.program import Program
+from pirate_sm.core._engine.mission.program import BranchKey, BranchKind, Program
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._model.events import ALPHABET_VERSION
 from pirate_sm.core.effects import Effect, Log
@@ -30,6 +30,7 @@ class Moment:
         now_s: Seconds since the run began.
         follows_traction: Whether the signals of slip and friction are estimated in every round.
         alphabet: The version of the alphabet by whose rules the engine decides.
+        taken: Receives each branch of the mission that is taken; None: nothing counts them.
 
     Attributes:
         effects: The effects so far, in order.
@@ -45,6 +46,7 @@ class Moment:
         "now_s",
         "program",
         "robot",
+        "taken",
     )
 
     def __init__(
@@ -55,6 +57,7 @@ class Moment:
         now_s: float,
         follows_traction: bool = False,
         alphabet: int = ALPHABET_VERSION,
+        taken: list[BranchKey] | None = None,
     ) -> None:
         self.robot = robot
         self.program = program
@@ -62,6 +65,7 @@ class Moment:
         self.nominal = nominal
         self.follows_traction = follows_traction
         self.alphabet = alphabet
+        self.taken = taken
         self.effects: list[Effect] = []
         self.emit = self.effects.append
 
@@ -73,3 +77,8 @@ class Moment:
     def warn(self, message: str) -> None:
         """Append a warning for the operator to the effects."""
         self.effects.append(Log("warning", message))
+
+    def take(self, kind: BranchKind, place: str, name: str = "") -> None:
+        """Note that the mission takes this branch, if branches are counted."""
+        if self.taken is not None:
+            self.taken.append(BranchKey(kind, place, name))

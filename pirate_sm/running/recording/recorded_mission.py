@@ -106,7 +106,9 @@ def as_recorded(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
         for document, file in zip(loaded.documents, header.files, strict=False)
     }
     instructions = tuple(_placed(each, names) for each in loaded.program.instructions)
-    program = replace(loaded.program, instructions=instructions)
+    handlers = {each: tuple(_placed(it, names) for it in each) for each in loaded.program.handlers}
+    in_force = tuple(handlers[each] for each in loaded.program.handlers)
+    program = replace(loaded.program, instructions=instructions, handlers=in_force)
     for each in header.resumed:
         resumption = resumption_from_text(each.resumption)
         program = resumption.program(program) if resumption is not None else program

@@ -12,6 +12,7 @@ from pirate_sm.core.effects import Effect
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.events import SensorFrame, SignalReport
 from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import BranchKey
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.pieces import Checkpoint, Gap, RecordedStep
 from pirate_sm.running.recording.read.reader import Recording
@@ -76,14 +77,21 @@ class Replayed:
     gap: Gap | None = None
 
 
-def engine_of(header: RunHeader, loaded: LoadedMission, *, every_signal: bool = False) -> Engine:
-    """Return the engine with the options of the run."""
+def engine_of(
+    header: RunHeader,
+    loaded: LoadedMission,
+    *,
+    every_signal: bool = False,
+    taken: list[BranchKey] | None = None,
+) -> Engine:
+    """Return the engine with the options of the run; ``taken`` receives branches of the mission."""
     return Engine(
         loaded.robot,
         loaded.program,
         nominal=header.nominal,
         every_signal=every_signal,
         alphabet=header.alphabet,
+        taken=taken,
     )
 
 

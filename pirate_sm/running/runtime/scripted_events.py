@@ -1,4 +1,4 @@
-"""What happens by a script: triggers, whole event sequences, first choices."""
+"""What happens by a script: triggers, whole event sequences, first choices, the end of patience."""
 
 from __future__ import annotations
 
@@ -32,6 +32,7 @@ from pirate_sm.core.events import (
 from pirate_sm.core.program import Program, Question, Wait
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.robot.backends.trace_script import Happening
+from pirate_sm.running.runtime.ending import Stop, StopRequests
 
 # --- answers --------------------------------------------------------------------------------------
 
@@ -74,6 +75,28 @@ class FirstChoice(CompanionBase):
         """Return the answer."""
         self.due_s = inf
         return (Answer(self._choice),)
+
+
+# --- patience -------------------------------------------------------------------------------------
+
+
+LONGEST_S = 3600.0
+"""A rehearsed mission that has not ended by then is stopped."""
+
+
+class Patience(CompanionBase):
+    """A companion that stops a run that does not end by itself."""
+
+    def __init__(self, requests: StopRequests) -> None:
+        self._requests = requests
+        self.due_s = LONGEST_S
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Ask the run to end; return no event."""
+        self.due_s = inf
+        reason = f"it had not ended after {LONGEST_S:g} s"
+        self._requests.ask(Stop(reason, 1))
+        return ()
 
 
 # --- repetitions ----------------------------------------------------------------------------------

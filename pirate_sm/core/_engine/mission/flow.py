@@ -50,7 +50,9 @@ def fail(moment: Moment, state: EngineState, cause: str, target: int) -> EngineS
 
     A failure that the mission ignores does not replace the cause of an earlier one.
     """
-    passed_over = target == getattr(moment.program.instructions[state.mission.pc], "next", STOP)
+    failed = moment.program.instructions[state.mission.pc]
+    moment.take("on_failure", getattr(failed, "place", ""))
+    passed_over = target == getattr(failed, "next", STOP)
     kept = state.mission.cause if passed_over else ""
     mission = state.mission._replace(cause=kept or cause)
     if target == STOP:
@@ -253,10 +255,12 @@ def meet(moment: Moment, state: EngineState, fault: FoundFault) -> EngineState:
     handler = moment.program.handler(mission.pc, fault.code, things) if fault.catchable else None
     cause = f"{fault.code}: {fault.message}"
     if handler is not None and handler.go is None:
+        moment.take("on_fault", handler.place, handler.code)
         moment.emit(Fault(fault.code, fault.message, "continue", fault.of))
         return state
     if handler is None or mission.handling or mission.diverting:
         return end_by_fault(moment, state, fault.code, fault.message, fault.of)
+    moment.take("on_fault", handler.place, handler.code)
     moment.emit(Fault(fault.code, fault.message, handler.go_name, fault.of))
     mission = mission._replace(diverting=handler, stopped=False, cause=cause)
     return state._replace(mission=mission)

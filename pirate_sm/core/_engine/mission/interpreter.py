@@ -161,6 +161,7 @@ def _awaited(moment: Moment, state: EngineState, it: Do, name: str) -> EngineSta
     if mission.result.done:
         return go(state, it.next)
     if mission.tries < it.retries:
+        moment.take("retry", it.place)
         again = mission._replace(begun=False, result=None, tries=mission.tries + 1)
         return state._replace(mission=again)
     cause = f"{name} ({it.place}) failed: {mission.result.reason}"
@@ -195,6 +196,7 @@ def _branch(moment: Moment, state: EngineState, it: Branch) -> EngineState:
     value = it.condition.evaluate(state.sensing.shown, state.words)
     if value is None:
         moment.warn(f"{it.place}: '{it.condition.text}' is unknown, not taken")
+    moment.take("if" if value is True else "else", it.place)
     return go(state, it.if_true if value is True else it.if_false)
 
 

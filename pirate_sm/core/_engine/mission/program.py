@@ -35,6 +35,27 @@ DRIVEN = "{driven}"
 """Where a text names the distance that was driven, as measured."""
 
 
+BranchKind: TypeAlias = Literal[
+    "trigger", "within", "if", "else", "choice", "on_failure", "retry", "on_fault", "resume"
+]
+"""The kinds of branches of a mission: each way on from a place where there is more than one."""
+
+
+class BranchKey(NamedTuple):
+    """What tells a branch from others.
+
+    Attributes:
+        kind: ``else`` is the way past a condition, also where the file has no such word.
+        place: Where it stands, ``file:line:col``: the trigger, the wait of a ``within``, the
+            condition, the step that fails or asks, the fault, or the phase that is taken up.
+        name: The trigger, the choice or the code of the fault; empty for other kinds.
+    """
+
+    kind: BranchKind
+    place: str
+    name: str = ""
+
+
 class Enter(NamedTuple):
     """Begins a phase.
 
@@ -42,12 +63,14 @@ class Enter(NamedTuple):
         failed: Where a failure in the phase leads.
         resume: Where the mission goes on if its run is cut off in the phase: ``here``, ``never``,
             or the index of the instruction that enters another phase.
+        place: Where it stands, ``file:line:col``.
     """
 
     phase: str
     next: int
     failed: int = STOP
     resume: int | Literal["here", "never"] = "here"
+    place: str = ""
 
 
 class Do(NamedTuple):
@@ -309,6 +332,12 @@ class Program:
     def goes_on(self) -> bool:
         """Whether it starts within a phase, as the program of a run that was cut off does."""
         return self.start != self.enter(self.phase_of[self.start])
+
+    @property
+    def taken_up(self) -> str:
+        """Return the place of the phase in which it starts, ``file:line:col``."""
+        at = self.enter(self.phase_of[self.start])
+        return getattr(self.instructions[at], "place", "") if at is not None else ""
 
     def handler(self, at: int, code: str, things: frozenset[str]) -> HandlerSpec | None:
         """Return the innermost handler at this instruction for a fault that concerns these."""

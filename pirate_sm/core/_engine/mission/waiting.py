@@ -50,6 +50,7 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
         if awaited := _unmet_wait(moment, state, it):
             cause = f"{cause}: it awaited {awaited}"
         moment.emit(TriggerFired(it.phase, "within", it.within_name, cause, it.place))
+        moment.take("within", it.place)
         if it.fails:
             return fail(moment, state, cause, it.within)
         mission = mission._replace(cause=cause)
@@ -71,6 +72,7 @@ def _fire(moment: Moment, state: EngineState, it: Wait, fired: int, reason: str)
         if met is not None:
             return met
     moment.emit(TriggerFired(it.phase, trigger.name, trigger.go_name, reason, it.place))
+    moment.take("trigger", trigger.place, trigger.name)
     return go(state, trigger.go)
 
 
@@ -120,6 +122,7 @@ def question(moment: Moment, state: EngineState, it: Question) -> EngineState:
         for choice, target in it.choices:
             if choice == answer:
                 moment.emit(Ask("", ()))
+                moment.take("choice", it.place, choice)
                 mission = mission._replace(cause=f"the operator answered '{answer}' ({it.place})")
                 return state._replace(mission=moved(mission, target))
         moment.warn(f"'{answer}' is no answer to '{it.text}'")

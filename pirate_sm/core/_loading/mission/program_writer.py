@@ -275,6 +275,7 @@ class _PhaseWriter:
             next=steps,
             failed=scope.caller if handles_itself else scope.failure(None, path),
             resume=scope.resumed_at(phase.resume, (*path, "resume")),
+            place=scope.place(path),
         )
         self.compiler.assembly.mark(steps)
         after = wait if phase.wait else scope.target(phase.go or "", (*path, "go"))

@@ -200,12 +200,13 @@ def header_of(
             for board in loaded.loaded_robot.profile.boards
         },
         slots=tuple((slot.name, slot.unit) for slot in robot.slots),
-        files=_files(loaded),
+        files=recorded_files(loaded),
         viewers=viewers,
     )
 
 
-def _files(loaded: LoadedMission) -> tuple[RecordedFile, ...]:
+def recorded_files(loaded: LoadedMission) -> tuple[RecordedFile, ...]:
+    """Return the texts that a mission was loaded from, in the order of its documents."""
     of_robot: tuple[Role, ...] = ("profile", "chart", "fit")
     robot = loaded.loaded_robot.documents
     mission, *others, pipe = loaded.documents

@@ -104,7 +104,7 @@ def test_a_mission_without_a_pipe_is_not_run_unless_one_is_given(
 def test_a_mission_that_does_not_end_is_ended(
     pirate: Any, tmp_path: Path, monkeypatch: Any
 ) -> None:
-    monkeypatch.setattr("pirate_sm.cli.commands.rehearsal.LONGEST_S", 2.0)
+    monkeypatch.setattr("pirate_sm.running.runtime.scripted_events.LONGEST_S", 2.0)
     file = tmp_path / "m.yaml"
     file.write_text(ENDLESS, encoding="utf-8")
 

@@ -1,0 +1,1 @@
+"""Which branches of missions were ever taken, and by what kind of run; rehearsals of the others."""
