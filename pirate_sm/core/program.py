@@ -11,7 +11,6 @@ from pirate_sm.core._engine.mission.program import (
     STOP,
     Branch,
     BranchKey,
-    BranchKind,
     Do,
     Enter,
     Finish,

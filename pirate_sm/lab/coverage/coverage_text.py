@@ -8,7 +8,13 @@ from html import escape
 from typing import Any
 
 from pirate_sm.lab.coverage.evidence import EVIDENCE, Evidence
-from pirate_sm.lab.coverage.file_coverage import Branch, Coverage, FileCoverage, Seen, Share
+from pirate_sm.lab.coverage.file_coverage import (
+    BranchShare,
+    Coverage,
+    CoveredBranch,
+    FileCoverage,
+    TakenBy,
+)
 from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
 FORMAT = 1
@@ -18,7 +24,7 @@ TAKEN, MISSING = ">", "!"
 """What marks a line whose branches were all taken, and one that has another."""
 
 
-def share_text(share: Share) -> str:
+def share_text(share: BranchShare) -> str:
     """Return a share in words; it is rounded down, so that only all branches are 100 %."""
     return f"{share.taken} of {share.of} branches, {int(share.percent)} %"
 
@@ -69,7 +75,7 @@ def _annotated(file: FileCoverage, least: Evidence) -> Iterator[str]:
             yield f"        {sign} {each.it.words} ({seen_text(each.seen)})"
 
 
-def seen_text(seen: dict[Evidence, Seen]) -> str:
+def seen_text(seen: dict[Evidence, TakenBy]) -> str:
     """Return how often what has taken a branch, and the first run of the strongest kind."""
     counts = [
         "possible" if by == "model" else f"{seen[by].times} × {by}" for by in EVIDENCE if by in seen
@@ -128,12 +134,12 @@ def as_json(coverage: Coverage, least: Evidence) -> str:
     return json.dumps(whole, indent=1, ensure_ascii=False)
 
 
-def _in_order(file: FileCoverage) -> Iterator[Branch]:
+def _in_order(file: FileCoverage) -> Iterator[CoveredBranch]:
     for found in file.by_line().values():
         yield from found
 
 
-def _plain(branch: Branch, least: Evidence) -> dict[str, Any]:
+def _plain(branch: CoveredBranch, least: Evidence) -> dict[str, Any]:
     key = branch.it.key
     return {
         "line": branch.line,
@@ -146,7 +152,7 @@ def _plain(branch: Branch, least: Evidence) -> dict[str, Any]:
     }
 
 
-def _seen(seen: dict[Evidence, Seen]) -> dict[str, Any]:
+def _seen(seen: dict[Evidence, TakenBy]) -> dict[str, Any]:
     return {by: seen[by]._asdict() for by in EVIDENCE if by in seen}
 
 

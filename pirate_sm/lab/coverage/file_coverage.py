@@ -23,7 +23,7 @@ _KEYS = {"within": "wait", "on_failure": "", "retry": "", "resume": ""}
 """The keys at whose line a branch is shown, each with the key at which the branch stands."""
 
 
-class Seen(NamedTuple):
+class TakenBy(NamedTuple):
     """How often a kind of run has taken a branch, in how many runs, and in which one first."""
 
     times: int
@@ -32,7 +32,7 @@ class Seen(NamedTuple):
 
 
 @dataclass
-class Branch:
+class CoveredBranch:
     """A branch of a mission, with what has taken it.
 
     Attributes:
@@ -42,7 +42,7 @@ class Branch:
 
     it: MissionBranch
     line: int
-    seen: dict[Evidence, Seen] = field(default_factory=dict)
+    seen: dict[Evidence, TakenBy] = field(default_factory=dict)
 
     def taken(self, least: Evidence) -> bool:
         """Return whether evidence of this kind, or a stronger one, has taken it."""
@@ -55,17 +55,17 @@ class FileCoverage:
 
     name: str
     text: str = field(repr=False)
-    branches: dict[BranchKey, Branch] = field(default_factory=dict)
+    branches: dict[BranchKey, CoveredBranch] = field(default_factory=dict)
 
-    def by_line(self) -> dict[int, list[Branch]]:
+    def by_line(self) -> dict[int, list[CoveredBranch]]:
         """Return its branches by the lines at which they are shown, in order."""
-        found: dict[int, list[Branch]] = defaultdict(list)
+        found: dict[int, list[CoveredBranch]] = defaultdict(list)
         for each in sorted(self.branches.values(), key=lambda each: each.line):
             found[each.line].append(each)
         return dict(found)
 
 
-class Share(NamedTuple):
+class BranchShare(NamedTuple):
     """How many branches were taken, of how many."""
 
     taken: int
@@ -89,7 +89,7 @@ class Coverage:
     """
 
     files: dict[str, FileCoverage] = field(default_factory=dict)
-    rules: dict[tuple[str, str], dict[Evidence, Seen]] = field(default_factory=dict)
+    rules: dict[tuple[str, str], dict[Evidence, TakenBy]] = field(default_factory=dict)
     runs: dict[Evidence, int] = field(default_factory=dict)
     others: list[str] = field(default_factory=list)
 
@@ -108,7 +108,7 @@ class Coverage:
                 own = _here(key, place)
                 line = lines[place.file].get((key.kind, place.line, place.column), place.line)
                 known = self.files[named[place.file].sha256].branches
-                known.setdefault(own, Branch(branch, line))
+                known.setdefault(own, CoveredBranch(branch, line))
         for rule in loaded.program.rules:
             self.rules.setdefault((loaded.robot.name, rule.name), {})
 
@@ -135,7 +135,7 @@ class Coverage:
                 _add(self.rules[robot, rule], by, times, source)
         return True
 
-    def branch(self, key: BranchKey, files: Iterable[RecordedFile]) -> Branch | None:
+    def branch(self, key: BranchKey, files: Iterable[RecordedFile]) -> CoveredBranch | None:
         """Return a branch of a program that was made from these texts; None if it is unknown."""
         if not key.place:
             return None
@@ -143,22 +143,22 @@ class Coverage:
         of = next((each.sha256 for each in files if each.name == place.file), "")
         return self.files[of].branches.get(_here(key, place)) if of in self.files else None
 
-    def share(self, least: Evidence, files: Sequence[FileCoverage] | None = None) -> Share:
+    def share(self, least: Evidence, files: Sequence[FileCoverage] | None = None) -> BranchShare:
         """Return how many branches were taken by this evidence or a stronger one; of all files."""
         chosen = self.files.values() if files is None else files
         every = [branch for file in chosen for branch in file.branches.values()]
-        return Share(sum(each.taken(least) for each in every), len(every))
+        return BranchShare(sum(each.taken(least) for each in every), len(every))
 
-    def missing(self, least: Evidence) -> Iterator[tuple[FileCoverage, Branch]]:
+    def missing(self, least: Evidence) -> Iterator[tuple[FileCoverage, CoveredBranch]]:
         """Yield each branch that no such evidence has taken, with its file."""
         for file in self.files.values():
             for found in file.by_line().values():
                 yield from ((file, each) for each in found if not each.taken(least))
 
 
-def _add(seen: dict[Evidence, Seen], by: Evidence, times: int, source: str) -> None:
-    before = seen.get(by, Seen(0, 0, source))
-    seen[by] = Seen(before.times + times, before.runs + 1, before.first)
+def _add(seen: dict[Evidence, TakenBy], by: Evidence, times: int, source: str) -> None:
+    before = seen.get(by, TakenBy(0, 0, source))
+    seen[by] = TakenBy(before.times + times, before.runs + 1, before.first)
 
 
 def _here(key: BranchKey, place: Place) -> BranchKey:

@@ -38,7 +38,7 @@ under way then."""
 
 
 @dataclass(frozen=True)
-class Rehearsal:
+class FoundRehearsal:
     """A run that takes branches which no run has taken before.
 
     Attributes:
@@ -64,7 +64,7 @@ def rehearsals(
     found: Exploration,
     tries: int,
     watch: Callable[[float], None] = lambda share: None,
-) -> Iterator[Rehearsal]:
+) -> Iterator[FoundRehearsal]:
     """Yield runs that take missing branches, until all are taken or nothing more is known.
 
     Args:
@@ -85,17 +85,17 @@ def rehearsals(
             ended = played(order, loaded)
         except UsageError:  # a defect that needs more than its name
             continue
-        yield from _kept(Rehearsal(order, ended, taken_in(ended.run), ()), left)
+        yield from _kept(FoundRehearsal(order, ended, taken_in(ended.run), ()), left)
     for key in sorted(left.intersection(untraced)):
         if key in left and (step := found.taken.get(key)) is not None and found.is_playable(step):
             script = course_text(found, step)
             course = trace_script.read_script(parse_document(script, "a script")).course
             order = replace(usual, backend="trace", course=course)
             ended = played(order, loaded)
-            yield from _kept(Rehearsal(order, ended, taken_in(ended.run), (), script), left)
+            yield from _kept(FoundRehearsal(order, ended, taken_in(ended.run), (), script), left)
 
 
-def _kept(it: Rehearsal, left: set[BranchKey]) -> Iterator[Rehearsal]:
+def _kept(it: FoundRehearsal, left: set[BranchKey]) -> Iterator[FoundRehearsal]:
     """Yield a run if it takes what is left, and take that out."""
     takes = tuple(key for key in it.taken.branches if key in left)
     if takes and it.played.run.outcome != "interrupted":
@@ -135,7 +135,7 @@ def write_scene(
     folder: Path,
     path: Path,
     loaded: LoadedMission,
-    found: Iterable[Rehearsal],
+    found: Iterable[FoundRehearsal],
 ) -> Path:
     """Write a mission's rehearsals as a scene, with the scripts of its traces, and return its file.
 

@@ -12,11 +12,12 @@ from representative import thorough_but
 
 import pirate_sm
 from pirate_sm.checking.reports.counterexamples import course_text
+from pirate_sm.core._engine.mission.program import BranchKind
 from pirate_sm.core.branches import branches
 from pirate_sm.core.documents import parse_document
 from pirate_sm.core.effects import CommandStatus, Fault, TriggerFired
 from pirate_sm.core.loading import LoadedMission, load_mission
-from pirate_sm.core.program import BranchKey, BranchKind
+from pirate_sm.core.program import BranchKey
 from pirate_sm.robot.backends import trace_script
 from pirate_sm.running.runtime.scripted_events import Firing
 from pirate_sm.running.wiring import Order
