@@ -50,7 +50,7 @@ class MissionBranch(NamedTuple):
 def branches(program: Program, commands: tuple[str, ...]) -> dict[BranchKey, MissionBranch]:
     """Return all branches of a mission, in the order of its instructions.
 
-    A failure that nothing handles, and a fault without a handler, are no branches: they end the
+    A failure that nothing handles, and a fault without a handler, do not count: they end the
     mission.
 
     Args:
@@ -72,7 +72,7 @@ def branches(program: Program, commands: tuple[str, ...]) -> dict[BranchKey, Mis
 
 
 CONTINUE = "continue"
-"""Where a branch leads that goes on with the next step."""
+"""Where a branch leads that continues with the next step."""
 FAIL = "fail"
 """Where a time limit leads whose failure nothing handles: to the end of the mission."""
 

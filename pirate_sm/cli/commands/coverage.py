@@ -197,8 +197,8 @@ def _write_missing(
         )
         kept = []
         with progress(f"looking for runs of {visible(path.stem)}") as watch:
-            usual, loaded, found = target.order, target.loaded, target.found
-            for each in rehearsals(usual, loaded, untaken, untraced, found, options.tries, watch):
+            plain, loaded, found = target.order, target.loaded, target.found
+            for each in rehearsals(plain, loaded, untaken, untraced, found, options.tries, watch):
                 kept.append(each)
                 by = evidence_of(each.played.run.header)
                 source = f"rehearsal {len(kept)} of {path.stem}"

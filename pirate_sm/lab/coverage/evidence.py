@@ -116,8 +116,8 @@ def played(order: Order, loaded: LoadedMission) -> Played:
     with ExitStack() as stack:
         notes = stack.enter_context(noted(prepared, None, lambda: run.state))
         stack.enter_context(entered(prepared.companions))
-        nobody = [] if prepared.attended else [FirstChoice()]
-        companions = (*prepared.companions, *nobody, Patience(requests))
+        answers = [] if prepared.attended else [FirstChoice()]
+        companions = (*prepared.companions, *answers, Patience(requests))
         run = MissionRun(
             prepared.engine,
             prepared.backend,

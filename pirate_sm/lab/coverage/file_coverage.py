@@ -1,6 +1,6 @@
 """The coverage of files: the branches at their lines, and how often what kind of run took each.
 
-A branch belongs to the file that it stands in, so that a called mission is covered by the runs of
+A branch belongs to the file that it is in, so that a called mission is covered by the runs of
 all missions that call it. A file is known by the hash of its text: runs of another text of it do
 not count.
 """
@@ -20,7 +20,7 @@ from pirate_sm.lab.coverage.evidence import EVIDENCE, Evidence, Taken, names_of_
 from pirate_sm.running.recording.format.header import RecordedFile
 
 _KEYS = {"within": "wait", "on_failure": "", "retry": "", "resume": ""}
-"""The keys at whose line a branch is shown, each with the key at which the branch stands."""
+"""The keys at whose line a branch is shown, each with the key that is its place."""
 
 
 class TakenBy(NamedTuple):

@@ -57,7 +57,7 @@ class FoundRehearsal:
 
 
 def rehearsals(
-    usual: Order,
+    plain: Order,
     loaded: LoadedMission,
     untaken: Collection[BranchKey],
     untraced: Collection[BranchKey],
@@ -68,7 +68,7 @@ def rehearsals(
     """Yield runs that take missing branches, until all are taken or nothing more is known.
 
     Args:
-        usual: The mission with its options, in the simulator.
+        plain: The mission with its options, in the simulator.
         loaded: The mission.
         untaken: Its branches that neither a simulated nor a real robot has taken.
         untraced: Those of them that no trace has taken either.
@@ -77,7 +77,7 @@ def rehearsals(
         watch: Receives the share of the tries that are done.
     """
     left = set(untaken)
-    for tried, order in enumerate(_orders(usual, loaded) if loaded.pipe is not None else ()):
+    for tried, order in enumerate(_orders(plain, loaded) if loaded.pipe is not None else ()):
         if not left or tried >= tries:
             break
         watch(tried / tries)
@@ -90,7 +90,7 @@ def rehearsals(
         if key in left and (step := found.taken.get(key)) is not None and found.is_playable(step):
             script = course_text(found, step)
             course = trace_script.read_script(parse_document(script, "a script")).course
-            order = replace(usual, backend="trace", course=course)
+            order = replace(plain, backend="trace", course=course)
             ended = played(order, loaded)
             yield from _kept(FoundRehearsal(order, ended, taken_in(ended.run), (), script), left)
 
@@ -103,17 +103,17 @@ def _kept(it: FoundRehearsal, left: set[BranchKey]) -> Iterator[FoundRehearsal]:
         yield replace(it, takes=takes)
 
 
-def _orders(usual: Order, loaded: LoadedMission) -> Iterator[Order]:
+def _orders(plain: Order, loaded: LoadedMission) -> Iterator[Order]:
     """Yield runs in the simulator: without a defect, then with each, then from each phase on."""
-    yield usual
+    yield plain
     defects = loaded.loaded_robot.profile.simulation.defects
     for name in defects:
-        yield replace(usual, defects=(name,))
-    begins_s = sorted(set(_begins_s(played(usual, loaded).run)))
+        yield replace(plain, defects=(name,))
+    begins_s = sorted(set(_begins_s(played(plain, loaded).run)))
     timed = [name for name, each in defects.items() if "after" in keys_of_defect(each.kind)]
     for at_s in begins_s:
         for name in timed:
-            yield replace(usual, defects=(f"{name}:after={at_s + _AFTER_S:.1f}s",))
+            yield replace(plain, defects=(f"{name}:after={at_s + _AFTER_S:.1f}s",))
 
 
 def _begins_s(run: Run) -> Iterator[float]:
