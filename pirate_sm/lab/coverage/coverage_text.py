@@ -103,7 +103,7 @@ def _row(
 
 def _rules(coverage: Coverage) -> Iterator[str]:
     if coverage.rules:
-        yield "rules of the robot (not counted), with the runs that broke them or were stopped by them:"
+        yield "rules of the robot (not counted), with runs that broke them or were stopped:"
     for (robot, rule), seen in coverage.rules.items():
         yield f"  {robot}: {rule} ({seen_text(seen)})"
     if coverage.rules:
