@@ -244,7 +244,7 @@ build/pins.txt: $(LOCK)
 # changes. The simulator's machine code is built with it, by tools that are locked too. The extra
 # `jit` serves trees whose sources have changed.
 $(VENV)/.ready-sim: EXTRAS := jit
-$(VENV)/.ready-dev: EXTRAS := dev,docs,jit,campaign,sensitivity,physics,gym,serial,live,vision,lsp,page
+$(VENV)/.ready-dev: EXTRAS := dev,docs,jit,campaign,falsify,sensitivity,physics,gym,serial,live,vision,lsp,page
 $(VENV)/.ready-physics: EXTRAS := jit,physics,campaign,fit
 $(VENV)/.ready-campaign: EXTRAS := jit,campaign
 $(VENV)/.ready-learning: EXTRAS := dev,jit,gym
@@ -254,7 +254,7 @@ $(VENV)/.ready-pictures: EXTRAS := browser,jit,vision
 $(VENV)/.ready-bench: EXTRAS := bench,jit,campaign,gym
 $(VENV)/.ready-vision: EXTRAS := jit,vision
 $(VENV)/.ready-soak: EXTRAS := jit,serial
-$(VENV)/.ready-mutants: EXTRAS := mutants,dev,docs,jit,campaign,sensitivity,physics,serial,live,vision,lsp,page
+$(VENV)/.ready-mutants: EXTRAS := mutants,dev,docs,jit,campaign,falsify,sensitivity,physics,serial,live,vision,lsp,page
 
 $(VENV)/.ready-%: pyproject.toml hatch_build.py $(LOCK) | $(VENV)/.tools-$(TOOLS)
 	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."

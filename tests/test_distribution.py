@@ -30,6 +30,7 @@ PIRATE = "from pirate_sm.cli.entry import main; main()"
 NEEDING = {
     ("campaign", "pyarrow"): (PIRATE, "campaign", "{campaign}", "-o", "{here}"),
     ("campaign", "distributed"): (PIRATE, "campaign", "{campaign}", "-o", "{here}"),
+    ("falsify", "cmaes"): (PIRATE, "margins", "mitre_bend", "--falsify", "-o", "{here}/f"),
     ("fit", "scipy"): (PIRATE, "fit", "{run}"),
     ("gym", "gymnasium"): ("import pirate_sm.learning",),
     ("jit", "numba"): (PIRATE, "run", "mitre_bend", "--no-record"),

@@ -20,7 +20,7 @@ SIMULATED: Final = ("bay", "physics", "sim", "trace")
 _DEVICE: Final = re.compile(r"/dev/(serial/by-(id|path)/)?\w[\w.:+-]*|COM\d+|")
 
 _RUNS = """mission backend robot pipe settings states seed defects fidelity detector also adopt
-    ruler start_at_m calibration check twin fitted record no_record resume look at accept
+    ruler start_at_m calibration check twin numbers fitted record no_record resume look at accept
     start_phase speed jitter line fire script yes plain json quiet"""
 
 SCENES: Final[Mapping[str, frozenset[str]]] = {

@@ -33,6 +33,7 @@ COMMANDS = {
     "plan": ("files:PlanOptions", "plan:print_plan"),
     "robot": ("files:RobotOptions", "robot_page:write_page"),
     "campaign": ("estimates:CampaignOptions", "campaign:run_campaign"),
+    "margins": ("estimates:MarginsOptions", "margins:find_margins"),
     "console": ("running:ConsoleOptions", "console:open_console"),
     "panel": ("devices:PanelOptions", "panel:show_panel"),
     "doctor": ("devices:DoctorOptions", "doctor:run_doctor"),
@@ -72,7 +73,7 @@ its docstring is the help text. The work takes them and returns the exit code.
 _MOVE = ("run", "console", "doctor", "calibrate")
 """The commands that are connected to a robot; while they are, they catch signals themselves."""
 
-_CHECK = ("check", "run", "demo", "campaign", "console")
+_CHECK = ("check", "run", "demo", "campaign", "margins", "console")
 """The commands that check files, and use kept results again."""
 
 words: tuple[str, ...] = ()

@@ -38,6 +38,9 @@ Fidelity: TypeAlias = Literal["usual", "fast"]
 
 USUAL: Fidelity = "usual"
 
+OF_PIPE: Final = "pipe."
+"""Begins the names of the numbers of a run that are the pipe's, not the robot's."""
+
 
 class Options(TypedDict, total=False):
     """Options that ``run``, ``session`` and ``sweep`` share; all may be left out.
@@ -53,7 +56,8 @@ class Options(TypedDict, total=False):
             ``{"defect": "stiff_joint", "after": "2 s"}``.
         twin: File with numbers of the simulated robot, from ``pirate fit --robot``.
         numbers: Numbers of the simulated robot, by their keys in such a file:
-            ``{"motors.bend.stall_torque": "0.8 Nm"}``.
+            ``{"motors.bend.stall_torque": "0.8 Nm"}``; or of its pipe, which the mission does not
+            know: ``{"pipe.friction": 0.4}``, likewise ``diameter``, ``tilt``, ``roll``, ``start``.
         fitted: Such a file with numbers of the motors, by which any robot is judged.
         start_jitter_m: How far a simulated robot may start from its place; likewise
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
@@ -287,7 +291,7 @@ class GivenOptions:
         only=_OF_SIMULATED, in_campaigns="one",
     )  # fmt: skip
     numbers: Mapping[str, str] = _option(
-        {}, "A number of the simulated robot: friction.kinetic=0.4. Repeatable.", "NAME=VALUE",
+        {}, "A number of the simulated robot or pipe: pipe.friction=0.4. Repeatable.", "NAME=VALUE",
         "numbers", flag="--number", only=_OF_SIMULATED,
     )  # fmt: skip
     fitted: str | None = _option(

@@ -176,11 +176,17 @@ class Jitter:
         start_m: Position of the robot along the pipe.
         friction: Both friction coefficients, as a share.
         diameter_m: Inner diameter.
+        friction_scale: What the friction coefficients of every run are multiplied by; not drawn.
+        wider_m: How much wider the pipe of every run is; not drawn.
+        forward_m: How much farther along the pipe every run begins; not drawn.
     """
 
     start_m: float = 0.0
     friction: float = 0.0
     diameter_m: float = 0.0
+    friction_scale: float = 1.0
+    wider_m: float = 0.0
+    forward_m: float = 0.0
 
 
 NO_JITTER = Jitter()
@@ -199,7 +205,7 @@ class Surroundings:
     Attributes:
         route: The way through the pipe.
         friction: Friction of the wall.
-        friction_scale: What the friction's jitter multiplies every coefficient by.
+        friction_scale: What every coefficient in the files is multiplied by.
         pose: How the robot stands.
         obstacles: Obstacles in the pipe.
     """
@@ -235,12 +241,12 @@ def surroundings_of(
         UsageError: The robot does not fit into the pipe, or the pipe intersects itself.
     """
     differs = drawn_jitter(jitter, rng)
-    route = Route(pipe.network(differs.diameter_m))
+    route = Route(pipe.network(jitter.wider_m + differs.diameter_m))
     _check(route.pieces)
     coefficients = pipe.friction if pipe.friction is not None else profile.simulation.friction
-    scale = 1.0 + differs.friction
+    scale = jitter.friction_scale * (1.0 + differs.friction)
     scaled = {"static": coefficients.static * scale, "kinetic": coefficients.kinetic * scale}
-    arc_m = pipe.start_of(chain.length_m) + differs.start_m
+    arc_m = pipe.start_of(chain.length_m) + jitter.forward_m + differs.start_m
     roll = (pipe.start.roll if pipe.start else 0.0) - pipe.roll
     return Surroundings(
         route,

@@ -12,7 +12,7 @@ from pathlib import Path
 from time import monotonic
 
 from pirate_sm.cli.errors import StoppedError, say
-from pirate_sm.cli.options.estimates import CampaignOptions
+from pirate_sm.cli.options.estimates import CampaignOptions, MarginsOptions
 from pirate_sm.cli.output.terminal import progress
 from pirate_sm.cli.settings import BUILT_IN, SETTINGS, runs, unusable_runs
 from pirate_sm.core import library
@@ -24,13 +24,15 @@ from pirate_sm.lab.campaign.campaign_file import read_campaign
 from pirate_sm.lab.campaign.conductor import (
     Conductor,
     Progress,
+    Which,
     failures,
     record_failures,
     stored_plan,
 )
 from pirate_sm.lab.campaign.crew import MOST_EACH, connected, most_workers
 from pirate_sm.lab.campaign.plan import CampaignPlan, mark_of
-from pirate_sm.lab.campaign.results import CampaignResult, as_junit, as_text, result_of
+from pirate_sm.lab.campaign.result_suite import as_junit
+from pirate_sm.lab.campaign.results import CampaignResult, as_text, result_of
 from pirate_sm.lab.campaign.store import DamagedMarkError, Store, is_store
 from pirate_sm.running.runtime.ending import BY_SIGNAL, Stop
 
@@ -48,19 +50,30 @@ def run_campaign(options: CampaignOptions) -> int:
         UsageError: An argument does not fit, no scheduler answers, or results cannot be kept.
         BackendError: The workers are lost; results so far are kept.
     """
-    if options.scheduler is not None and options.workers is not None:
-        raise UsageError("--scheduler and --workers exclude each other: that cluster has its own")
-    _refuse_without_packages()
-    if options.workers is not None and options.workers > (most := most_workers()):
-        raise UsageError(
-            f"--workers {options.workers}: at most {most} are started on this machine, "
-            f"{MOST_EACH} for each processor; more only take memory"
-        )
+    refuse_unusable(options)
     seeds = None if options.seeds is None else range(options.seeds)
-    plan = _chosen(read_campaign(_file(options.campaign), seeds, check=options.check), options)
+    plan = _chosen(read_campaign(file_of(options.campaign), seeds, check=options.check), options)
+    return conduct(plan, options, options.record, chosen=bool(options.cells))
+
+
+def conduct(
+    plan: CampaignPlan,
+    options: CampaignOptions | MarginsOptions,
+    record: Which,
+    *,
+    chosen: bool = False,
+) -> int:
+    """Run a plan, print its table and return the exit code.
+
+    Args:
+        plan: The campaign.
+        options: Where and how it runs.
+        record: Which of its failed runs are repeated with a recording.
+        chosen: Whether it has some cells of its file only.
+    """
     try:
-        with _results(plan, options) as store:
-            result = _run(plan, store, options)
+        with open_results(plan, options, chosen=chosen) as store:
+            result = _run(plan, store, options, record)
     except StoppedError as stopped:
         say(str(stopped))
         return stopped.exit_code
@@ -69,18 +82,30 @@ def run_campaign(options: CampaignOptions) -> int:
     return AS_EXPECTED if result.good else BELOW
 
 
-def _refuse_without_packages() -> None:
+def refuse_unusable(options: CampaignOptions | MarginsOptions) -> None:
     """Refuse before missions are checked, which takes long.
 
     Raises:
-        UsageError: A package is missing that campaigns need.
+        UsageError: A package is missing that campaigns need, or there cannot be such workers.
     """
+    if options.scheduler is not None and options.workers is not None:
+        raise UsageError("--scheduler and --workers exclude each other: that cluster has its own")
     for module in ("pyarrow", "distributed"):
         if find_spec(module) is None:
             raise not_installed("a campaign", module, "campaign")
+    if options.workers is not None and options.workers > (most := most_workers()):
+        raise UsageError(
+            f"--workers {options.workers}: at most {most} are started on this machine, "
+            f"{MOST_EACH} for each processor; more only take memory"
+        )
 
 
-def _file(name: str) -> Path:
+def file_of(name: str) -> Path:
+    """Return the path of a campaign or a mission, of which a shipped one may be named.
+
+    Raises:
+        UsageError: There is no such mission.
+    """
     return Path(name) if library.is_path(name) else library.find_mission(name)
 
 
@@ -107,8 +132,15 @@ def _is_empty(folder: Path) -> bool:
 
 
 @contextmanager
-def _results(plan: CampaignPlan, options: CampaignOptions) -> Iterator[Store]:
-    """Yield the store of the results, which is closed when the block ends."""
+def open_results(
+    plan: CampaignPlan, options: CampaignOptions | MarginsOptions, *, chosen: bool = False
+) -> Iterator[Store]:
+    """Yield the store of the results, which is closed when the block ends.
+
+    Raises:
+        UsageError: They cannot be kept in that folder.
+        StoppedError: A signal has ended it.
+    """
     folder = options.output or _usual_folder(plan.name)
     store, described = Store(folder), plan
     if is_store(folder):
@@ -118,7 +150,7 @@ def _results(plan: CampaignPlan, options: CampaignOptions) -> Iterator[Store]:
                 "folder with --output"
             )
         before = _refuse_another(plan, store)
-        described = _with_others(plan, before) if options.cells and before else plan
+        described = _with_others(plan, before) if chosen and before else plan
     elif is_file(folder):
         raise UsageError(f"'{folder}' is a file: name a folder for the results with --output")
     elif is_folder(folder) and not _is_empty(folder):
@@ -229,20 +261,22 @@ def _usual_folder(name: str) -> Path:
     return folder
 
 
-def _run(plan: CampaignPlan, store: Store, options: CampaignOptions) -> CampaignResult:
+def _run(
+    plan: CampaignPlan, store: Store, options: CampaignOptions | MarginsOptions, record: Which
+) -> CampaignResult:
     """Run what has no result yet, record what failed, and return the result."""
     conductor = Conductor(plan, store)
     for file, why in store.damaged.items():
         say(f"warning: '{file}' is damaged ({why}): runs that are missing are repeated")
     store.set_aside()
-    if conductor.goes_on or failures(conductor.results, store, options.record):
+    if conductor.goes_on or failures(conductor.results, store, record):
         with (
             connected(plan, options.scheduler, options.workers) as crew,
             _progress(plan, conductor.progress.done) as show,
         ):
             conductor.conduct(crew, show)
-            record_failures(conductor.results, store, crew, options.record)
-    return result_of(plan, conductor.results, store.folder)
+            record_failures(conductor.results, store, crew, record)
+    return result_of(plan, conductor.results, store.folder, conductor.margins)
 
 
 @contextmanager

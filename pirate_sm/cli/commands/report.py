@@ -54,8 +54,8 @@ def _write_campaign(folder: Path, output: Path | None) -> int:
     _refuse_foreign(place)
     recordings = folder / RECORDINGS
     link = Path(os.path.relpath(recordings.resolve(), place.resolve().parent))
-    plan, tallies, damaged = stored(folder)
-    result = result_of(plan, tallies, folder)
+    plan, tallies, damaged, margins = stored(folder)
+    result = result_of(plan, tallies, folder, margins)
     recorded = [
         Path(each)
         for cell in result.cells

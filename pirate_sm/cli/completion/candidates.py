@@ -20,7 +20,7 @@ from pirate_sm.core import library
 from pirate_sm.core.errors import PirateError, UsageError
 from pirate_sm.core.library import PROFILE_FILE
 from pirate_sm.core.on_disk import is_file, is_folder, opened
-from pirate_sm.core.options import DEFECT_KEYS, keys_of_defect
+from pirate_sm.core.options import DEFECT_KEYS, OF_PIPE, keys_of_defect
 
 if TYPE_CHECKING:
     import typer
@@ -337,9 +337,11 @@ def defects(context: typer.Context, typed: str) -> Iterator[Candidate]:
 
 
 def numbers(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield the numbers of the robot that a twin may have, with those in its profile."""
+    """Yield the numbers of the robot that a twin may have, with those in its profile, or a pipe."""
     from pirate_sm.core.models import PARTS_OF_A_TWIN
+    from pirate_sm.simulation.changed_pipe import PIPE_NUMBERS
 
+    yield from ((f"{OF_PIPE}{name}=", "") for name in PIPE_NUMBERS)
     profile = _profile(_robot(context))
     groups = {f"motors.{name}": each for name, each in mapping(profile.get("motors")).items()}
     groups |= {name: mapping(profile.get("simulation")).get(name) for name in ("friction", "noise")}
@@ -347,6 +349,17 @@ def numbers(context: typer.Context, typed: str) -> Iterator[Candidate]:
         for key, value in mapping(found).items():
             if key in PARTS_OF_A_TWIN[group.partition(".")[0]].model_fields:
                 yield f"{group}.{key}=", line(value)
+
+
+def factors(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield what `pirate margins` can change: numbers of the pipe and the robot, and of defects."""
+    if ":" in typed:
+        yield from defects(context, typed)
+        return
+    for name, value in numbers(context, typed):
+        if not name.startswith("friction."):
+            yield name.removeprefix(OF_PIPE).removesuffix("="), value
+    yield from ((f"{name}:", about) for name, about in defects(context, ""))
 
 
 def joints(context: typer.Context, typed: str) -> Iterator[Candidate]:

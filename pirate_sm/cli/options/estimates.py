@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -107,6 +108,14 @@ _MOST_SEEDS = 10**9
 """As in a campaign file, whose model a help text does not import."""
 
 
+_workers = partial(typed, "Processes that are started; one each processor.", min=1, metavar="N")
+_scheduler = partial(option, "ADDRESS", None, "An existing Dask cluster: tcp://host:8786.")
+_resume = partial(flag, "Keep existing results and run what is missing.", "--resume")
+_results = partial(
+    option, "FOLDER", candidates.folders, "For the results; runs/NAME.campaign.", "--output", "-o"
+)
+
+
 @dataclass(frozen=True, kw_only=True)
 class CampaignOptions(CommandOptions):
     """Run missions many times and count successes.
@@ -129,19 +138,71 @@ class CampaignOptions(CommandOptions):
     cells: list[str] | None = option(
         "NAME", candidates.cells, "Only the cells of this name. Repeatable.", "--cell"
     )
-    workers: int | None = typed(
-        "Processes that are started; one each processor.", min=1, metavar="N"
-    )
-    scheduler: str | None = option("ADDRESS", None, "An existing Dask cluster: tcp://host:8786.")
-    resume: bool = flag("Keep existing results and run what is missing.", "--resume")
-    output: Path | None = option(
-        "FOLDER", candidates.folders, "For the results; runs/NAME.campaign.", "--output", "-o"
-    )
+    workers: int | None = _workers()
+    scheduler: str | None = _scheduler()
+    resume: bool = _resume()
+    output: Path | None = _results()
     record: Literal["first", "all", "none"] = typed(
         "Which failed runs are repeated with a recording: first of each cause.",
         "--record",
         default="first",
     )
+    format: Literal["text", "json", "junit"] = typed(
+        "What is written to standard output.", "--format", default="text"
+    )
+    check: bool = of_run("check")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MarginsOptions(CommandOptions):
+    """Find how far a mission holds in other conditions.
+
+    Each factor is changed, both ways from its value in the files, until fewer than --share of the
+    runs pass by the ground truth. What is tried next depends on what was found, and each value ends
+    with as few runs as its test needs. The mission does not know of the change. A campaign file
+    says all this with `margins`, also for several missions and pipes, and what is expected.
+    `pirate report FOLDER` draws the result.
+
+    Exit codes: 0 held as expected, 1 not, or this program has a fault, 2 invalid files or
+    arguments, or results cannot be kept, 3 the workers are lost, 130 interrupted.
+    """
+
+    mission: str = argument("MISSION", candidates.missions, "Name or file.")
+    pipe: str | None = common.a_pipe("Pipe to use instead of the mission's.", "--pipe")
+    factors: list[str] | None = option(
+        "NAME[=LOW..HIGH]",
+        candidates.factors,
+        "What is changed: friction, tilt=0deg..30deg, sticks:after=0s..70s. Repeatable.",
+        "--factor",
+    )
+    pairs: list[str] | None = option(
+        "NAME,NAME", None, "Make a map of two of the factors. Repeatable.", "--pair"
+    )
+    expects: list[str] | None = option(
+        "NAME>=VALUE", None, "How far it must hold: friction>=0.35. Repeatable.", "--expect"
+    )
+    share: str = option("SHARE", None, "The share of runs that must pass.", default="90 %")
+    confidence: str = option("SHARE", None, "How sure each edge is.", default="95 %")
+    runs: int = typed("Runs at one value, at most.", default=200, min=10, max=1000, metavar="N")
+    levels: int = typed(
+        "Values that are tried on each side first.", default=4, min=1, max=50, metavar="N"
+    )
+    halvings: int = typed(
+        "How often the distance behind the last one that holds is halved.",
+        default=3, min=0, max=10, metavar="N",
+    )  # fmt: skip
+    falsify: bool = flag(
+        "Instead, search for the smallest change of all factors with which it fails.", "--falsify"
+    )
+    budget: int = typed("With --falsify: runs, about.", default=300, min=20, metavar="N")
+    within: str = option(
+        "SHARE", None, "With --falsify: how much of each range is searched.", default="100 %"
+    )
+    seed: int = typed("With --falsify: of each run and of the search.", default=0, min=0)
+    workers: int | None = _workers()
+    scheduler: str | None = _scheduler()
+    resume: bool = _resume()
+    output: Path | None = _results()
     format: Literal["text", "json", "junit"] = typed(
         "What is written to standard output.", "--format", default="text"
     )

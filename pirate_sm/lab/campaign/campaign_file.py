@@ -6,17 +6,17 @@ import json
 import pickle
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from itertools import product
 from math import prod
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.gate import CheckError, all_pass_or_raise, pass_or_raise
-from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.core import library
 from pirate_sm.core.documents import (
     Document,
@@ -35,8 +35,10 @@ from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission, check_twin, references, try_validate
 from pirate_sm.core.options import OPTIONS
 from pirate_sm.lab.campaign.campaign_model import Campaign, Expectation, StoppingRule, TrueEnd
+from pirate_sm.lab.campaign.cell_checks import check_end, check_jitter, factors_or_problems
 from pirate_sm.lab.campaign.chunk import sampled_factors
 from pirate_sm.lab.campaign.intervals import wilson
+from pirate_sm.lab.campaign.margins_model import Margins
 from pirate_sm.lab.campaign.named_parts import (
     Choices,
     Named,
@@ -50,6 +52,9 @@ from pirate_sm.lab.campaign.sensitivity import Design
 from pirate_sm.lab.campaign.sensitivity_model import DrawnNumbers
 from pirate_sm.running.wiring import Order, load, prepare
 
+OPTIONS_GIVEN = "the options"
+"""Stands for the file of a campaign that options describe."""
+
 MOST_CELLS = 10_000
 """Most cells of one mission. [decided: each is prepared before the first run]"""
 
@@ -60,7 +65,11 @@ def is_campaign(document: Document) -> bool:
 
 
 def read_campaign(
-    path: Path, seeds: Sequence[int] | None = None, *, check: bool = True
+    path: Path,
+    seeds: Sequence[int] | None = None,
+    *,
+    check: bool = True,
+    more: Mapping[str, Any] = MappingProxyType({}),
 ) -> CampaignPlan:
     """Return the plan of a campaign file, or of a mission, with some seeds.
 
@@ -68,6 +77,7 @@ def read_campaign(
         path: The file.
         seeds: Seeds instead of the file's; a mission needs them.
         check: Whether a mission in which the check finds errors is refused.
+        more: What the campaign of a mission says besides, as in a file; with `margins` no seeds.
 
     Raises:
         LoadError: Everything that is wrong with the files.
@@ -76,16 +86,18 @@ def read_campaign(
     """
     document = read_document(path)
     if is_campaign(document):
+        if more:
+            raise UsageError(f"{shown(path)} is a campaign: name a mission")
         return _Reading(document, path.parent, seeds).plan(check=check)
     kind = kind_of_text(document.text)
     if kind is not FileKind.MISSION:
         raise UsageError(f"{shown(path)} is neither a campaign nor a mission: {_what(kind)}")
-    if seeds is None:
+    if seeds is None and "margins" not in more:
         raise UsageError(f"{shown(path)} is a mission: say how often it runs with --seeds N")
-    text = json.dumps(
-        {"format": 1, "campaign": _name(path), "missions": [{"mission": str(path.resolve())}]}
-    )
-    return _Reading(parse_document(text, shown(path)), Path(), seeds).plan(check=check)
+    missions = [{"mission": str(path.resolve())}]
+    text = json.dumps({"format": 1, "campaign": _name(path), "missions": missions, **more})
+    named = OPTIONS_GIVEN if more else shown(path)
+    return _Reading(parse_document(text, named), Path(), seeds).plan(check=check)
 
 
 def check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:
@@ -163,6 +175,7 @@ class _Reading:
     places: dict[tuple[Any, ...], Keys] = field(default_factory=dict)
     blobs: dict[str, bytes] = field(default_factory=dict)
     drawn: DrawnNumbers | None = None
+    margins: Margins | None = None
     design: Design | None = None
 
     def plan(self, *, check: bool) -> CampaignPlan:
@@ -175,6 +188,7 @@ class _Reading:
             raise LoadError(self.problems.all)
         cells: dict[str, Cell] = {}
         self._take_sensitivity(campaign)
+        self._take_margins(campaign)
         for choices in choices_of(campaign):
             twice = self._check(choices)
             named = names.read(choices)
@@ -189,9 +203,8 @@ class _Reading:
         stop = campaign.stop
         self._check_stop(stop, campaign.confidence, cells.values())
         version = code_version()
-        return CampaignPlan(
-            campaign.campaign, version, tuple(cells.values()), campaign.confidence, stop, self.blobs
-        )
+        rest = campaign.confidence, stop, self.blobs, self.margins
+        return CampaignPlan(campaign.campaign, version, tuple(cells.values()), *rest)
 
     def _take_sensitivity(self, campaign: Campaign) -> None:
         """Take how runs vary the robot, and report what does not go with that."""
@@ -202,9 +215,21 @@ class _Reading:
         self.drawn = wanted.numbers
         self.design = Design(wanted.method, wanted.points, wanted.numbers.factors)
 
+    def _take_margins(self, campaign: Campaign) -> None:
+        """Take how far cells are to hold, and report what does not go with that."""
+        self.margins = campaign.margins
+        for key in ("stop", "sensitivity") if campaign.margins is not None else ():
+            if getattr(campaign, key) not in (None, StoppingRule()):
+                message = "a test ends each value of `margins`: delete it"
+                self.problems.add("campaign.margins", (key,), message)
+
     def _check(self, choices: Choices) -> bool:
         """Report choices that do not go with each other; return whether one is listed twice."""
-        if self.design is not None:
+        if self.margins is not None:
+            if self.seeds is not None or choices.of("seeds") is not None:
+                message = "`runs` of `margins` say how often it runs at most: leave seeds out"
+                self.problems.add("campaign.margins", choices.place("seeds"), message)
+        elif self.design is not None:
             if self.seeds is not None or choices.of("seeds") is not None:
                 message = "`points` say how often it runs: leave seeds out"
                 self.problems.add("campaign.sensitivity", choices.place("seeds"), message)
@@ -239,6 +264,7 @@ class _Reading:
         """Yield the cells of one mission."""
         seeds = self.seeds if self.seeds is not None else choices.of("seeds")
         seeds = seeds if self.design is None else range(self.design.runs)
+        seeds = seeds if self.margins is None else range(self.margins.runs)
         common = choices.order(named.mission, robot=named.robot, twin=named.twin)
         sets = {name: list(texts(each)) for name, each in (choices.of("set") or {}).items()}
         count = prod(map(len, (named.pipes, *sets.values(), named.detectors, named.defects)))
@@ -285,12 +311,12 @@ class _Reading:
             if seeds is None:
                 continue  # reported already
             end = choices.of("end") or TrueEnd()
-            self._check_end(end, loaded, choices)
+            check_end(end, loaded, choices, self.problems)
             if self.drawn is not None:
                 least, profile = self.drawn.least(loaded.robot.name), loaded.loaded_robot.profile
                 check_twin(least, profile, self.problems, ("sensitivity", "numbers"))
                 self._check_ends(replace(one, seed=0), loaded)
-            self._check_jitter(one, loaded, choices)
+            check_jitter(one, loaded, choices, self.problems)
             yield Cell(
                 choices.entry.name or Path(order.mission).stem,
                 choices.column(one, pipe, detector, many_defects=len(named.defects) > 1),
@@ -302,6 +328,7 @@ class _Reading:
                 key,
                 self.design,
                 sampled_factors(one),
+                factors_or_problems(one, loaded, self.margins, self.problems),
             )
 
     @property
@@ -322,39 +349,6 @@ class _Reading:
                     at = ("sensitivity", "numbers", *each.name.split("."))
                     message = f"with {numbers[each.name]} no run can begin: {error}"
                     self.problems.add("campaign.sensitivity", at, message)
-
-    def _check_end(self, end: TrueEnd, loaded: LoadedMission, choices: Choices) -> None:
-        """Report an end that no robot can come to in this pipe."""
-        pipe, place = loaded.pipe, choices.place("end")
-        profile = loaded.loaded_robot.profile
-        worded = any(each.forward for each in profile.detector.words.values())
-        if end.at_word and not (pipe is not None and worded and pipe.route().crossings_m):
-            message = "at_word: nothing says a word here, which is about a bend of the pipe"
-            self.problems.add("campaign.run", (*place, "at_word"), message)
-        if pipe is None or end.beyond is end.before is None:
-            return
-        length_m, fit = pipe.route().length_m, Fit(profile, loaded.robot, pipe)
-        robot_m = min(fit.clamped_m(each.diameter_m) for each in pipe.route().pieces)
-        before_m = length_m if end.before is None else end.before
-        key, beyond_m = ("before", 0.0) if end.beyond is None else ("beyond", end.beyond)
-        if beyond_m >= length_m:
-            message = f"beyond: {beyond_m:g} m is not in the pipe, which is {length_m:g} m long"
-            self.problems.add("campaign.run", place, message)
-        elif before_m - beyond_m < robot_m:
-            between = f"the clamped robot, {robot_m:.3g} m long, is not between {beyond_m:g} m"
-            message = f"{between} and {before_m:g} m: no run can end there"
-            self.problems.add("campaign.run", (*place, key), message)
-
-    def _check_jitter(self, order: Order, loaded: LoadedMission, choices: Choices) -> None:
-        """Report that a start can be drawn outside of the pipe."""
-        fit = loaded.pipe and Fit(loaded.loaded_robot.profile, loaded.robot, loaded.pipe)
-        if fit and order.start_jitter_m:
-            start_m = fit.pipe.start_of(fit.stretched_m)
-            least_m = min(start_m - fit.stretched_m, fit.route.length_m - start_m)
-            if order.start_jitter_m > least_m:
-                message = f"the robot would start outside of the pipe from {least_m:.3g} m on"
-                at, severity = (*choices.place("jitter"), "start"), Severity.WARNING
-                self.problems.add("campaign.run", at, message, severity=severity)
 
     def _fits(self, order: Order, loaded: LoadedMission, choices: Choices) -> bool:
         """Report if an order cannot be run; return whether it can."""

@@ -44,6 +44,7 @@ from pirate_sm.core.units import (
     QuantityError,
     read_quantity,
 )
+from pirate_sm.lab.campaign.margins_model import Margins
 from pirate_sm.lab.campaign.sensitivity_model import VariedRobot
 
 _QUANTITIES: Mapping[Dimension, Any] = {LENGTH: Length, TIME: Duration, DIMENSIONLESS: Ratio}
@@ -332,6 +333,7 @@ class Campaign(RunChoices):
         confidence: Of all intervals.
         stop: When a cell has had enough runs.
         sensitivity: Which numbers of the robot are varied, to see which of them decide.
+        margins: How far its cells hold when factors are changed.
     """
 
     format: Format
@@ -351,6 +353,7 @@ class Campaign(RunChoices):
     confidence: Annotated[Ratio, Field(gt=0, lt=1)] = 0.95
     stop: StoppingRule = StoppingRule()
     sensitivity: VariedRobot | None = None
+    margins: Margins | None = None
 
 
 Line: TypeAlias = Annotated[str, StringConstraints(min_length=1, max_length=400)]

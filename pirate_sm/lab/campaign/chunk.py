@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import nan
 from pathlib import Path
-from time import monotonic
+from time import monotonic, perf_counter
 from typing import NamedTuple
 
 import numpy as np
@@ -27,8 +27,16 @@ from pirate_sm.core.units import DIMENSIONLESS, LENGTH, parse_quantity, unit_of
 from pirate_sm.lab.campaign.campaign_model import TrueEnd
 from pirate_sm.lab.campaign.plan import code_version
 from pirate_sm.lab.campaign.sensitivity_model import Factor
-from pirate_sm.lab.campaign.watched_run import RunVerdict, judge, watched_run
-from pirate_sm.running.wiring import Order
+from pirate_sm.lab.campaign.watched_run import (
+    SHORT_M,
+    Outcome,
+    RunVerdict,
+    finished,
+    judge,
+    watched_run,
+)
+from pirate_sm.running.runtime.near_misses import NearMisses
+from pirate_sm.running.wiring import Order, prepare
 from pirate_sm.simulation.defects import drawn
 from pirate_sm.simulation.surroundings import Jitter, drawn_jitter
 
@@ -146,6 +154,7 @@ class RunRow(NamedTuple):
         deepest_m: How deep a wheel or link was in a wall, at most; NaN if unknown.
         drawn: What it has drawn from its seed, see :mod:`pirate_sm.lab.campaign.chunk`.
         slip_m: How much farther its wheels have rolled than it has moved; NaN if unknown.
+        near: How near it came to its limits, more is nearer; NaN if that was not looked at.
     """
 
     cell: str
@@ -161,6 +170,7 @@ class RunRow(NamedTuple):
     deepest_m: float
     drawn: Mapping[str, float] = {}
     slip_m: float = nan
+    near: float = nan
 
 
 class Sent(NamedTuple):
@@ -186,6 +196,7 @@ class Chunk:
         mission: Key of its loaded mission.
         seeds: The seeds; the numbers of the runs if these vary the robot.
         varied: The seed of each of these runs, and its numbers.
+        near: Whether to look how near each comes to its limits, which takes longer.
     """
 
     cell: str
@@ -194,6 +205,7 @@ class Chunk:
     mission: str
     seeds: tuple[int, ...]
     varied: Mapping[int, Order] = field(default_factory=dict)
+    near: bool = False
 
     def order_of(self, seed: int) -> Order:
         """Return the order of a run."""
@@ -242,7 +254,10 @@ def run_seed(chunk: Chunk, loaded: LoadedMission, seed: int) -> RunRow:
     order, drawn = chunk.order_of(seed), dict[str, float]()
     try:
         drawn |= drawn_factors(order, loaded.loaded_robot.profile)
-        outcome = watched_run(order, loaded, slides=False)
+        if chunk.near:
+            near, outcome = _near_run(order, loaded)
+        else:
+            near, outcome = nan, watched_run(order, loaded, slides=False)
     except (UsageError, LoadError, BackendError) as error:
         refused = RunVerdict("failed", str(error), False, "")
         return _without_end(chunk.cell, seed, "refused", refused, drawn)
@@ -260,7 +275,32 @@ def run_seed(chunk: Chunk, loaded: LoadedMission, seed: int) -> RunRow:
         outcome.deepest_m,
         drawn,
         outcome.slip_m if chunk.varied else nan,  # else a row would take 8 bytes more
+        near,
     )
+
+
+_POWER = 4
+"""So the nearest limit counts most, and the others a little [decided]."""
+
+
+def _near_run(order: Order, loaded: LoadedMission) -> tuple[float, Outcome]:
+    """Return how near a run came to its limits, and what came of it.
+
+    Each limit of the mission and of the robot's rules counts by the share of it that was reached,
+    and so does the distance at which a success would be false.
+    """
+    limits = NearMisses(loaded.robot, loaded.program)
+    outcome = finished(
+        prepare(order, loaded),
+        perf_counter(),
+        slides=False,
+        tap=limits,
+        begun=lambda run: limits.follow(lambda: run.state),
+    )
+    shares = [each.share for each in limits.nearest()]
+    if outcome.short_m > 0.0:
+        shares.append(outcome.short_m / SHORT_M)
+    return sum(share**_POWER for share in shares), outcome
 
 
 def bug_row(cell: str, seed: int, why: str, drawn: Mapping[str, float]) -> RunRow:

@@ -6,7 +6,8 @@ Runs that failed are repeated with a recording, so that they can be looked at.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 from itertools import groupby, islice
@@ -29,11 +30,15 @@ from pirate_sm.lab.campaign.chunk import (
     loaded_mission,
 )
 from pirate_sm.lab.campaign.crew import ChunkRunner, DaskCrew
+from pirate_sm.lab.campaign.margins import CellMargins, margins_of, wanted_cells
 from pirate_sm.lab.campaign.plan import FORMAT, CampaignPlan, Cell, code_version, plan_of, varied
 from pirate_sm.lab.campaign.store import DamagedMarkError, Store
 from pirate_sm.lab.campaign.tally import Tally
 from pirate_sm.lab.campaign.watched_run import finished
 from pirate_sm.running.wiring import prepare
+
+_TESTED_CHUNK = 4
+"""Runs of a chunk where a test may end the cell after any of them: fewer run in vain [decided]."""
 
 _LOOK_S = 0.5
 """So often progress is shown when nothing comes."""
@@ -69,11 +74,13 @@ class Stored(NamedTuple):
         plan: The campaign, without its missions.
         tallies: The counts of its cells that count.
         damaged: What is wrong with files of results that cannot be read, and what to do.
+        margins: How far they hold, by their keys, if that was asked.
     """
 
     plan: CampaignPlan
     tallies: list[Tally]
     damaged: tuple[str, ...]
+    margins: Mapping[str, CellMargins]
 
 
 def stored_plan(store: Store) -> CampaignPlan:
@@ -106,12 +113,12 @@ def stored(folder: Path) -> Stored:
     """
     store = Store(folder)
     plan = stored_plan(store)
-    tallies = Conductor(plan, store).results
+    conductor = Conductor(plan, store)
     todo = (
         "its runs do not count; the campaign's command with --resume repeats those that are missing"
     )
     damaged = tuple(f"'{file}' is damaged ({why}): {todo}" for file, why in store.damaged.items())
-    return Stored(plan, tallies, damaged)
+    return Stored(plan, conductor.results, damaged, conductor.margins)
 
 
 class Conductor:
@@ -123,16 +130,20 @@ class Conductor:
 
     Attributes:
         tallies: The counts of each cell, in the order of the plan.
+        levels: Of cells round these, which are chosen one after another, by what is known so far.
     """
 
     def __init__(self, plan: CampaignPlan, store: Store) -> None:
         self._plan = plan
         self._store = store
-        self.tallies = [Tally(cell, plan.confidence, plan.stop) for cell in plan.cells]
+        self.tallies = [self._tally(cell) for cell in plan.cells]
+        self.levels: list[Tally] = []
         self._by_key = {each.cell.key: each for each in self.tallies}
         self._begun = dict.fromkeys(self._by_key, 0)
+        self._unasked: dict[str, list[RunRow]] = defaultdict(list)
         for rows in store.read():
             self._count(rows)
+        self._choose()
 
     @property
     def results(self) -> list[Tally]:
@@ -144,15 +155,52 @@ class Conductor:
         return self.tallies
 
     @property
+    def margins(self) -> Mapping[str, CellMargins]:
+        """How far the cells hold, by their keys, as far as that is known; empty if not asked."""
+        wanted = self._plan.margins
+        if wanted is None:
+            return {}
+        return {each.key: margins_of(each, wanted, self._by_key.get) for each in self._plan.cells}
+
+    @property
     def goes_on(self) -> bool:
         """Whether more runs are needed."""
-        return not all(each.decided for each in self.results)
+        return not all(each.decided for each in self._all)
+
+    @property
+    def _open(self) -> int:
+        return sum(not each.decided for each in self._all)
+
+    @property
+    def _all(self) -> list[Tally]:
+        return [*self.results, *self.levels]
+
+    def _tally(self, cell: Cell) -> Tally:
+        return Tally(cell, self._plan.confidence, self._plan.stop, self._plan.test)
+
+    def _choose(self) -> None:
+        """Add the cells whose results are needed next, if margins are asked."""
+        margins = self._plan.margins
+        if margins is None:
+            return
+        for around in self._plan.cells:
+            while new := [
+                cell
+                for cell in wanted_cells(around, margins, self._by_key.get)
+                if cell.key not in self._by_key
+            ]:
+                for cell in new:
+                    tally = self._by_key[cell.key] = self._tally(cell)
+                    self._begun[cell.key] = 0
+                    self._store.describe(cell.key, cell.values)
+                    tally.add(self._unasked.pop(cell.key, ()))
+                    self.levels.append(tally)
 
     @property
     def progress(self) -> Progress:
         """How many runs are done, and of how many."""
-        ends = [each.runs if each.decided else len(each.cell.seeds) for each in self.results]
-        return Progress(sum(each.done for each in self.results), sum(ends))
+        ends = [each.runs if each.decided else len(each.cell.seeds) for each in self._all]
+        return Progress(sum(each.done for each in self._all), sum(ends))
 
     def conduct(
         self, crew: ChunkRunner, show: Callable[[Progress], None] = lambda progress: None
@@ -173,29 +221,35 @@ class Conductor:
                 if chunk is None:
                     break
                 crew.submit(chunk)
+            open_before = self._open
             for done in crew.wait(_LOOK_S):
                 self._store.add(done.rows)
                 self._count(done.rows)
                 left = done.chunk.seeds[len(done.rows) :]
                 if left and not self._by_key[done.chunk.cell].decided:
                     crew.submit(cut(done.chunk, left))
+            if self._open < open_before:
+                self._choose()
             show(self.progress)
 
     def _count(self, rows: Iterable[RunRow]) -> None:
-        """Count the rows of cells in the plan."""
+        """Count the rows of known cells; of others keep them, as they may be asked for yet."""
         for key, mine in groupby(rows, key=attrgetter("cell")):
             if key in self._by_key:
                 self._by_key[key].add(mine)
+            elif self._plan.margins is not None:
+                self._unasked[key] += mine
 
     def _next(self) -> Chunk | None:
         """Return a chunk of the undecided cell that was given least so far; None if there is none.
 
         So the chunks of a cell that may end early are not run far ahead.
         """
-        open_ = [each for each in self.results if not each.decided]
+        open_ = [each for each in self._all if not each.decided]
+        most = CHUNK if self._plan.test is None else _TESTED_CHUNK
         for tally in sorted(open_, key=lambda each: self._begun[each.cell.key] - each.runs):
             cell = tally.cell
-            positions = list(islice(tally.missing(self._begun[cell.key]), CHUNK))
+            positions = list(islice(tally.missing(self._begun[cell.key]), most))
             if positions:
                 self._begun[cell.key] = positions[-1] + 1
                 return chunk_of(cell, [cell.seeds[position] for position in positions])

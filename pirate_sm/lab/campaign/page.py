@@ -8,6 +8,7 @@ from types import MappingProxyType
 from urllib.parse import quote
 
 from pirate_sm.lab.campaign.chunk import FROM_FILES
+from pirate_sm.lab.campaign.margins_page import HOW_TO_READ, MARGINS_STYLE, margins_markup
 from pirate_sm.lab.campaign.results import (
     CampaignResult,
     CauseResult,
@@ -58,12 +59,13 @@ def page_of(
         damaged = [*damaged, f"Plots are shown of the first {_MOST_DRAWN} cells."]
     lines = [
         f"{result.summary}. Run with {result.version}; intervals of {result.confidence:.0%} "
-        "(Wilson).",
+        f"({'of the tests' if any(cell.margins for cell in result.cells) else 'Wilson'}).",
         *damaged,
         *(f"{name}: not run, a cell before it is not as expected" for name in result.left_out),
     ]
+    style = _STYLE + (MARGINS_STYLE if any(cell.margins for cell in result.cells) else "")
     sections = [
-        FigureSection("Success", lines, markup=_STYLE + "".join(_map(result))),
+        FigureSection("Success", lines, markup=style + "".join(_map(result))),
         *(
             _section(cell, recordings, reports, plots=number < _MOST_DRAWN)
             for number, cell in enumerate(result.cells)
@@ -123,10 +125,12 @@ def _section(
     if times:
         lines.append(f"Mission time of those that passed, least/median/most: {times} s.")
     lines += {_HOW_TO_READ[each.method] for each in cell.decided if each.numbers}
+    lines += [HOW_TO_READ] if cell.margins else []
     anchor = f'<a id="{_id(cell)}"></a>'
     causes = "".join(_causes(cell, recordings, reports))
     shown = tuple(_plots(cell)) if plots else ()
-    return FigureSection(cell.name, lines, markup=anchor + causes, plots=shown)
+    drawn = margins_markup(cell.margins, cell.maps) if plots else ""
+    return FigureSection(cell.name, lines, markup=anchor + drawn + causes, plots=shown)
 
 
 _ANY_BAR = (

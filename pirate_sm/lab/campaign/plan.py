@@ -22,8 +22,10 @@ from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.options import OPTIONS, written
 from pirate_sm.core.units import DIMENSIONLESS, TIME
 from pirate_sm.lab.campaign.campaign_model import Expectation, StoppingRule, TrueEnd
+from pirate_sm.lab.campaign.margins_model import MarginFactor, Margins
 from pirate_sm.lab.campaign.sensitivity import Design
 from pirate_sm.lab.campaign.sensitivity_model import Factor
+from pirate_sm.lab.campaign.sequential import SequentialTest
 from pirate_sm.running.wiring import Order
 
 FORMAT = 1
@@ -60,6 +62,7 @@ class Cell:
         design: How its runs vary the robot, which are counted where others have seeds; None: they
             do not.
         sampled: What its runs draw from the sample of a twin, whose file a report does not need.
+        around: The factors that are changed round it, to see how far it holds.
     """
 
     row: str
@@ -72,6 +75,7 @@ class Cell:
     mission: str = ""
     design: Design | None = None
     sampled: tuple[Factor, ...] = ()
+    around: tuple[MarginFactor, ...] = ()
 
     @property
     def name(self) -> str:
@@ -103,6 +107,7 @@ class CampaignPlan:
         confidence: Of all intervals.
         stop: When a cell has had enough runs.
         missions: The loaded missions, pickled, by key.
+        margins: How far its cells are to hold; None: that is not asked.
     """
 
     name: Annotated[str, Field(alias="campaign")]
@@ -111,6 +116,12 @@ class CampaignPlan:
     confidence: Annotated[float, Field(gt=0, lt=1)]
     stop: StoppingRule
     missions: Mapping[str, bytes] = field(default_factory=dict)
+    margins: Margins | None = None
+
+    @property
+    def test(self) -> SequentialTest | None:
+        """The test that ends a cell instead of the number of its seeds, if margins are asked."""
+        return None if self.margins is None else self.margins.test(self.confidence)
 
 
 _PLAN = TypeAdapter(CampaignPlan)

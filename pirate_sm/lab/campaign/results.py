@@ -1,4 +1,4 @@
-"""The results of a campaign, cell by cell, as data, as text for people, and as JUnit XML."""
+"""The results of a campaign, cell by cell, as data and as text for people."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
+from types import MappingProxyType
 from typing import Any
-from xml.etree.ElementTree import Element, SubElement
 
-from pirate_sm.checking.reports.junit import count_cases, junit_text
 from pirate_sm.core.on_disk import is_there
-from pirate_sm.core.visible import visible
 from pirate_sm.lab.campaign.campaign_model import Expectation
 from pirate_sm.lab.campaign.conductor import recording_name
 from pirate_sm.lab.campaign.intervals import wilson
+from pirate_sm.lab.campaign.margins import CellMargins, FactorMargin, PairMap, margin_lines
 from pirate_sm.lab.campaign.plan import CampaignPlan, command_of, varied
 from pirate_sm.lab.campaign.sensitivity import Decided, decided_or_why
 from pirate_sm.lab.campaign.store import RECORDINGS
@@ -115,6 +114,10 @@ class CellResult:
         took: How long runs have taken; None without runs.
         decided: Which numbers of the robot decide the outcome of its runs, if these are varied.
         not_decided: Why that is not known; empty if it is.
+        margins: How far it holds when one factor changes, if that is asked; likewise ``maps`` when
+            two do.
+        open_levels: How many of the values of these have no result yet.
+        level_runs: How many runs there are at the others.
     """
 
     name: str
@@ -142,6 +145,10 @@ class CellResult:
     took: TimeCounts | None
     decided: tuple[Decided, ...] = ()
     not_decided: str = ""
+    margins: tuple[FactorMargin, ...] = ()
+    maps: tuple[PairMap, ...] = ()
+    open_levels: int = 0
+    level_runs: int = 0
 
     @property
     def share(self) -> float | None:
@@ -158,6 +165,11 @@ class CellResult:
     @property
     def incomplete(self) -> str:
         """What is missing of the cell; empty if nothing is."""
+        if not self.without_result and self.open_levels:
+            return (
+                f"not complete: {self.open_levels:,} values of its factors have no result yet; the "
+                "campaign's command with --resume runs them"
+            )
         if not self.without_result:
             return ""
         return (
@@ -195,14 +207,14 @@ class CampaignResult:
     @property
     def good(self) -> bool:
         """Whether every cell is complete and good."""
-        return all(cell.good and not cell.without_result for cell in self.cells)
+        return all(cell.good and not cell.incomplete for cell in self.cells)
 
     @property
     def summary(self) -> str:
         """How many runs there are, and how many cells are not as expected or not complete."""
-        runs = sum(cell.runs for cell in self.cells)
+        runs = sum(cell.runs + cell.level_runs for cell in self.cells)
         below = sum(not cell.good for cell in self.cells)
-        short = sum(bool(cell.without_result) for cell in self.cells)
+        short = sum(bool(cell.incomplete) for cell in self.cells)
         cells = "1 cell" if len(self.cells) == 1 else f"{len(self.cells)} cells"
         found = [f"{below} not as expected"] if below else []
         found += [f"{short} not complete"] if short else []
@@ -213,20 +225,28 @@ class CampaignResult:
         return {"good": self.good, **asdict(self)}
 
 
-def result_of(plan: CampaignPlan, tallies: Sequence[Tally], folder: Path) -> CampaignResult:
+def result_of(
+    plan: CampaignPlan,
+    tallies: Sequence[Tally],
+    folder: Path,
+    margins: Mapping[str, CellMargins] = MappingProxyType({}),
+) -> CampaignResult:
     """Return the result of a campaign.
 
     Args:
         plan: The campaign.
         tallies: The counts of the cells that count, in the order of the plan.
         folder: The folder of its results.
+        margins: How far its cells hold, by their keys, if that was asked.
     """
-    cells = tuple(_cell(tally, folder / RECORDINGS) for tally in tallies)
+    cells = tuple(
+        _cell(tally, folder / RECORDINGS, margins.get(tally.cell.key)) for tally in tallies
+    )
     left_out = tuple(cell.name for cell in plan.cells[len(cells) :])
     return CampaignResult(plan.name, str(folder), plan.version, plan.confidence, cells, left_out)
 
 
-def _cell(tally: Tally, recordings: Path) -> CellResult:
+def _cell(tally: Tally, recordings: Path, margins: CellMargins | None) -> CellResult:
     cell, times_s = tally.cell, tally.times_s
     least, most = tally.interval if tally.runs else (None, None)
     found = sorted(tally.causes.values(), key=_frequent)
@@ -251,11 +271,12 @@ def _cell(tally: Tally, recordings: Path) -> CellResult:
         tally.farthest_short_m,
         tally.deepest_m if tally.deepest_m >= 0.0 else None,
         _expected(cell.expect),
-        tally.missed(),
+        (*tally.missed(), *(margins.missed if margins else ())),
         tuple(_cause(tally, each, recordings) for each in found),
         tuple(_factor(each, tally.confidence) for each in tally.factors if any(each.runs)),
         _took(tally.times_s, tally.others_s),
         *decided_or_why(cell.design, tally.outcomes, tally.confidence),
+        *((margins.factors, margins.pairs, len(margins.wanted), margins.runs) if margins else ()),
     )
 
 
@@ -340,6 +361,7 @@ def _lines(result: CampaignResult) -> Iterator[str]:
             yield f"    no indices: {cell.not_decided}"
         for each in cell.decided:
             yield from _decided_lines(each)
+        yield from (f"    {line}" for line in margin_lines(cell.margins, cell.maps))
     for name in result.left_out:
         yield f"{name}: not run, a cell before it is not as expected"
     yield result.summary
@@ -362,39 +384,3 @@ def _cause_lines(cause: CauseResult) -> Iterator[str]:
     yield f"            {cause.command}"
     if cause.recording:
         yield f"            recorded in {shlex.quote(cause.recording)}"
-
-
-# --- JUnit XML -----------------------------------------------------------------------------------
-
-
-def as_junit(result: CampaignResult) -> str:
-    """Return the result as a suite; a cell fails that is not as expected or lacks results."""
-    name = visible(result.name)
-    suite = Element("testsuite", name=name)
-    for cell in result.cells:
-        case = SubElement(suite, "testcase", name=visible(cell.name), classname=name, time="0")
-        if cell.runs and not cell.good:
-            kind = "bug" if cell.bugs else "expectation"
-            what = ", ".join(cell.missed) or "an internal error"
-            SubElement(case, "failure", type=kind, message=what).text = _body(cell)
-        elif cell.without_result:
-            SubElement(case, "error", type="incomplete", message=cell.incomplete)
-        elif not cell.runs:
-            SubElement(case, "skipped", message="no runs")
-        else:
-            SubElement(case, "system-out").text = _body(cell)
-    for left_out in result.left_out:
-        case = SubElement(suite, "testcase", name=visible(left_out), classname=name, time="0")
-        SubElement(case, "skipped", message="a cell before it is not as expected")
-    count_cases(suite)
-    return junit_text("pirate campaign", [suite])
-
-
-def _body(cell: CellResult) -> str:
-    lines = [
-        f"{cell.summary}; expected {cell.expected}",
-        *([cell.incomplete] if cell.incomplete else []),
-    ]
-    for cause in cell.causes:
-        lines += [f"{cause.count} × {cause.verdict}: {cause.why}", cause.command]
-    return visible("\n".join(lines), lines=True)

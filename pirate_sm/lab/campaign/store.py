@@ -110,6 +110,10 @@ class Store:
                 left.unlink()
             replace_file(self.folder / MARK, f"{json.dumps(mark, indent=1)}\n".encode())
 
+    def describe(self, cell: str, values: Mapping[str, str]) -> None:
+        """Take what the runs of a further cell have in common, for its rows."""
+        self._values[cell] = dict(values)
+
     def keep(self, name: str, recording: bytes) -> None:
         """Write the recording of a run.
 

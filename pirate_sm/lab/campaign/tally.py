@@ -19,9 +19,10 @@ from pirate_sm.lab.campaign.intervals import Interval, fisher_exact, mcnemar_exa
 from pirate_sm.lab.campaign.plan import Cell
 from pirate_sm.lab.campaign.sensitivity import RunOutcome
 from pirate_sm.lab.campaign.sensitivity_model import Factor
+from pirate_sm.lab.campaign.sequential import SequentialTest, Verdict
 
-_MOST_SEEDS = 100
-"""The most seeds that are kept for each cause."""
+_MOST_SEEDS, _MOST_SEEDS_SHOWN = 100, 10
+"""The most seeds of a cause that are kept, and of a difference that are shown."""
 
 _MEASURED = re.compile(
     r"(?<![\w.])-?\d+\.\d+|(?<![\w.])-?\d+(?= (?:s|ms|mm|m|deg|rad/s|Nm|mNm|%|Hz|V|A|mA)\b)"
@@ -88,6 +89,7 @@ class Tally:
         cell: The cell.
         confidence: Of the interval.
         stop: When it has had enough runs.
+        test: Ends it too; None: only those.
         runs: How many runs count.
         passed: How many of them passed; likewise ``held``, ``false``, ``unsafe`` and ``bugs``.
         passes: For each run in the order of the seeds whether it passed, 1 or 0.
@@ -105,6 +107,7 @@ class Tally:
     cell: Cell
     confidence: float
     stop: StoppingRule
+    test: SequentialTest | None = None
     runs: int = 0
     passed: int = 0
     held: int = 0
@@ -134,8 +137,15 @@ class Tally:
 
     @property
     def interval(self) -> Interval:
-        """The interval of its success."""
+        """The interval of its success; once a test has ended it, that of the test."""
+        if self.test is not None and self.verdict is not None:
+            return self.test.interval(self.passed, self.runs, self.confidence)
         return wilson(self.passed, self.runs, self.confidence)
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """What its test says; None: there is none, or it has not ended."""
+        return None if self.test is None else self.test.verdict(self.passed, self.runs)
 
     @property
     def violated(self) -> bool:
@@ -231,6 +241,7 @@ class Tally:
             self.runs == len(self.cell.seeds)
             or (limit is not None and self.interval.half_width <= limit)
             or (self.stop.violated and self.violated)
+            or self.verdict is not None
         )
 
 
@@ -248,8 +259,6 @@ def _note(causes: dict[tuple[str, str], Cause], verdict: str, why: str, row: Run
 
 LEVEL = 0.05
 """Chance at which one of all the differences found would be none."""
-
-_MOST_SEEDS_SHOWN = 10
 
 
 @dataclass(frozen=True)

@@ -41,6 +41,7 @@ from pirate_sm.running.wiring.prepared import Equipment, MakeBackend, Order, Say
 
 if TYPE_CHECKING:
     from pirate_sm.simulation.physics import MakePhysics
+    from pirate_sm.simulation.surroundings import Jitter
 
 
 # --- sim ------------------------------------------------------------------------------------------
@@ -104,19 +105,26 @@ def _senseless(order: Order, pipe: Pipe) -> list[str]:
     ]
 
 
+def _pipe_of(order: Order, loaded: LoadedMission) -> tuple[Pipe, Jitter]:
+    """Return the simulated pipe of an order that was checked, and how far it may yet differ."""
+    from pirate_sm.simulation.changed_pipe import changed_pipe
+
+    assert loaded.pipe is not None  # as check_order has seen
+    profile = loaded.loaded_robot.profile
+    return changed_pipe(loaded.pipe, profile, order.numbers, order.jitter)
+
+
 def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equipment:
     """Return a simulated robot that a physics moves, where the mission begins."""
     from pirate_sm.simulation.backend import SimulatorBackend
-    from pirate_sm.simulation.surroundings import Jitter
 
-    pipe = loaded.pipe
-    assert pipe is not None  # as check_order has seen
+    pipe, jitter = _pipe_of(order, loaded)
     backend = SimulatorBackend(
         simulated_profile(loaded.loaded_robot.profile, order.twin, order.seed, order.numbers),
         pipe,
         seed=order.seed,
         start_values=start_values(loaded),
-        jitter=Jitter(**order.jitter),
+        jitter=jitter,
         defects=order.defects,
         put_back=order.put_back,
         physics=physics,
@@ -224,16 +232,15 @@ def _bay(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         from pirate_sm.simulation.bay.bay_defects import Switches
         from pirate_sm.simulation.bay.node_handle import message_texts
         from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
-        from pirate_sm.simulation.surroundings import Jitter
     except ModuleNotFoundError as error:
         raise without_messages(error) from None
-    assert loaded.pipe is not None  # as checked above
+    pipe, jitter = _pipe_of(order, loaded)
     robot = loaded.loaded_robot
     plan = read_plan(robot.folder, robot.profile, loaded.robot)
     line = order.line or LineFaults()
     bay = VirtualBay(
         simulated_profile(robot.profile, order.twin, order.seed, order.numbers),
-        loaded.pipe,
+        pipe,
         message_texts(robot.folder, robot.profile),
         Switches(
             line.loss_in,
@@ -247,7 +254,7 @@ def _bay(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         ),
         order.seed,
         start_values(loaded),
-        jitter=Jitter(**order.jitter),
+        jitter=jitter,
     )
     from pirate_sm.robot.diagnosis.facts import ExpectedRobot
     from pirate_sm.robot.diagnosis.listening import OpenLink
@@ -263,7 +270,7 @@ def _bay(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         places=Places(bay.robot.bends, lambda: bay.robot.arcs_m),
         truth=lambda: bay.truth,
         wheels=lambda: bay.robot.wheels,
-        in_space=None if loaded.pipe.section == "bars" else lambda: bay.robot.in_space,
+        in_space=None if pipe.section == "bars" else lambda: bay.robot.in_space,
         link=lambda: backend.health,
         open_link=OpenLink(ExpectedRobot(robot.profile, loaded.robot, plan), backend),
     )

@@ -21,6 +21,7 @@ from pirate_sm.core._model.robot.profile import Profile
 from pirate_sm.core._model.robot.simulation import Friction, MotorNumbers, Twin
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.on_disk import is_file
+from pirate_sm.core.options import OF_PIPE
 from pirate_sm.core.units import DIMENSIONLESS, QuantityError, read_quantity
 
 _OF_ONE_KIND = {"hold_torque": "geared", "dead_drag": "geared", "stiffness": "sprung_worm"}
@@ -28,7 +29,9 @@ _OF_ONE_KIND = {"hold_torque": "geared", "dead_drag": "geared", "stiffness": "sp
 
 
 _NUMBER = re.compile(r"(?:(?:motors|joints)\.\w+|friction|noise|tyre)\.\w+")
-_NUMBERS = "expected motors.KIND.KEY, joints.JOINT.KEY, friction.KEY, noise.KEY or tyre.KEY"
+_NUMBERS = (
+    "expected motors.KIND.KEY, joints.JOINT.KEY, friction.KEY, noise.KEY, tyre.KEY or pipe.KEY"
+)
 
 
 def simulated_profile(
@@ -44,7 +47,8 @@ def simulated_profile(
         twin: A file, or a robot of its sample: see :func:`twin_named`.
         seed: Of the run.
         numbers: More numbers, by their keys in such a file: ``motors.bend.stall_torque``. Of the
-            two coefficients of friction one alone scales the other with it.
+            two coefficients of friction one alone scales the other with it. Those of the pipe are
+            left out.
 
     Raises:
         LoadError: Everything that is wrong with the file or the numbers.
@@ -53,6 +57,7 @@ def simulated_profile(
     if twin is not None:
         file, number = twin_named(twin, seed)
         profile = with_twin(profile, load_twin(Path(file), profile, number))
+    numbers = {name: text for name, text in numbers.items() if not name.startswith(OF_PIPE)}
     if not numbers:
         return profile
     tree: dict[str, Any] = {"format": 1, "robot": profile.robot}

@@ -115,7 +115,7 @@ def test_a_campaign_ends_with_the_first_cell_that_is_not_as_expected(tmp_path: P
 
 def test_results_are_read_without_the_campaigns_files(tmp_path: Path) -> None:
     text = table(TWO, tmp_path, Hasty(1))
-    read, tallies, damaged = stored(tmp_path)
+    read, tallies, damaged, _ = stored(tmp_path)
 
     assert not damaged
     assert as_text(result_of(read, tallies, tmp_path)).replace(str(tmp_path), "FOLDER") == text

@@ -11,7 +11,8 @@ from pirate_sm.lab.campaign.chunk import Chunk, RunRow
 from pirate_sm.lab.campaign.conductor import Conductor, recording_name, stored
 from pirate_sm.lab.campaign.page import page_of
 from pirate_sm.lab.campaign.plan import mark_of
-from pirate_sm.lab.campaign.results import CampaignResult, as_junit, as_text, result_of
+from pirate_sm.lab.campaign.result_suite import as_junit
+from pirate_sm.lab.campaign.results import CampaignResult, as_text, result_of
 from pirate_sm.lab.campaign.store import Store
 
 from .rows import Hasty, cell, plan, row

@@ -1,0 +1,100 @@
+"""`pirate margins`: what its options say, and what is wrong with them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pirate_sm.lab.campaign.campaign_file import check_campaign, read_campaign
+
+FILE = """\
+format: 1
+campaign: trial
+missions: [drive_on]
+margins:
+  factors: {FACTORS}
+  EXPECTS
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--factor", "frction"], "there is no factor 'frction': did you mean 'friction'?"),
+        (["--factor", "friction=0.9..1"], "must have the value of the files, 0.5"),
+        (["--factor", "tilt=0m..1m"], "tilt: "),
+        (["--factor", "gamma_9_sticks:after=0s..9s"], "there is no defect 'gamma_9_sticks'"),
+        (["--factor", "gamma_2_sticks:by=1..2"], "takes no number 'by'"),
+        (["--factor", "gamma_2_sticks:after"], "say from where to where"),
+        (["--factor", "friction", "--factor", "friction"], "--factor gives 'friction' twice"),
+        (["--pair", "friction"], "expected two names"),
+        (["--pair", "friction,speed"], "there is no factor 'speed'"),
+        (["--expect", "friction=0.3"], "expected a bound such as 'friction>=0.35'"),
+        (["--expect", "friction>=7"], "expected a bound from 0.05 to 1, got '7'"),
+        (["--share", "120 %"], "--share 120 %: expected more than 0 and at most 100 %"),
+        (["--confidence", "100 %"], "--confidence 100 %: no number of runs shows that"),
+        (["--falsify", "--within", "0"], "--within 0: expected more than 0"),
+    ],
+)
+def test_what_is_wrong_is_said_in_a_line(
+    pirate: Any, tmp_path: Path, words: list[str], said: str
+) -> None:
+    result = pirate("margins", "drive_on", "--no-check", "-o", tmp_path / "results", *words)
+
+    assert result.exit_code == 2
+    assert said in " ".join(result.stderr.split())
+    assert "Traceback" not in result.stderr
+
+
+def plan_of(tmp_path: Path, factors: str, expects: str = "") -> Any:
+    file = tmp_path / "trial.yaml"
+    file.write_text(FILE.replace("{FACTORS}", factors).replace("EXPECTS", expects), "utf-8")
+    return read_campaign(file, check=False)
+
+
+def test_a_campaign_file_names_factors_with_ranges_and_all_defects_that_take_a_number(
+    tmp_path: Path,
+) -> None:
+    plan = plan_of(tmp_path, "{friction: 0.2..0.8, tilt: usual, 'each:after': 0 s..4 s}")
+    around = {each.name: each for each in plan.cells[0].around}
+
+    assert (around["friction"].low, around["friction"].high) == (0.2, 0.8)
+    assert around["tilt"].written(around["tilt"].high) == "45 deg"
+    assert around["gamma_2_sticks:after"].nominal == 4.0
+    assert "gamma_1_zero_jumps:after" in around
+    assert "messages_lost:after" in around
+    assert len(plan.cells[0].seeds) == plan.margins.runs == 200
+
+
+def test_the_check_finds_what_a_campaign_would_be_refused_for(tmp_path: Path) -> None:
+    with pytest.raises(Exception, match="frction"):
+        plan_of(tmp_path, "[frction]")
+
+    _, findings = check_campaign(tmp_path / "trial.yaml")
+
+    assert [each.code for each in findings] == ["campaign.margins"]
+
+
+@pytest.mark.thorough
+def test_margins_are_found_drawn_and_falsified(pirate: Any, tmp_path: Path) -> None:
+    words = ["--factor", "friction=0.001..0.6", "--runs", "30", "--levels", "1", "--halvings", "1"]
+    result = pirate(
+        "margins", "drive_on", *words, "--share", "60%", "--format", "json", "-o", tmp_path / "a"
+    )
+    (cell,) = json.loads(result.stdout)["cells"]
+    (friction,) = cell["margins"]
+
+    assert result.exit_code == 0
+    assert friction["holds_to"] == 0.6
+    assert pirate("report", tmp_path / "a").exit_code == 0
+    assert 'class="margins"' in (tmp_path / "a" / "index.html").read_text("utf-8")
+
+    words = ["--factor", "tilt=-90deg..90deg", "--factor", "friction=0.001..0.6"]
+    result = pirate("margins", "drive_on", "--falsify", *words, "--budget", "24", "-o",
+                    tmp_path / "b")  # fmt: skip
+
+    assert result.exit_code in (0, 1)
+    assert "runs of drive_on" in result.stdout

@@ -1,0 +1,71 @@
+"""A simulated pipe has the numbers that a run gives it, in the units of its file."""
+
+from __future__ import annotations
+
+from math import radians
+
+import pytest
+
+from pirate_sm.core import library
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.loading import LoadedMission, load_mission
+from pirate_sm.core.models import Pipe
+from pirate_sm.running.wiring import Order, prepare
+from pirate_sm.simulation.changed_pipe import changed_pipe, numbers_of
+from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
+
+
+@pytest.fixture(scope="module")
+def bend() -> LoadedMission:
+    return load_mission(library.find_mission("mitre_bend"))
+
+
+def changed(loaded: LoadedMission, **numbers: str) -> tuple[Pipe, Jitter]:
+    assert loaded.pipe is not None
+    given = {f"pipe.{name}": text for name, text in numbers.items()}
+    given["noise.angle"] = "1 deg"
+    return changed_pipe(loaded.pipe, loaded.loaded_robot.profile, given, {})
+
+
+def test_a_pipe_without_numbers_is_that_of_its_file(bend: LoadedMission) -> None:
+    assert changed(bend) == (bend.pipe, NO_JITTER)
+
+
+def test_all_numbers_are_those_that_are_given(bend: LoadedMission) -> None:
+    pipe, jitter = changed(bend, friction="0.25", diameter="118 mm", tilt="10 deg", roll="-5 deg",
+                    start="0.6 m")  # fmt: skip
+    numbers = numbers_of(pipe, bend.loaded_robot.profile)
+
+    assert jitter.friction_scale == pytest.approx(0.5)
+    assert jitter.wider_m == pytest.approx(-0.002)
+    assert numbers["tilt"] == pytest.approx(radians(10))
+    assert numbers["roll"] == pytest.approx(radians(-5))
+    assert jitter.forward_m == pytest.approx(-0.1)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("frction", "0.3", "a pipe has no number 'frction'"),
+        ("friction", "-1", "expected from"),
+        ("tilt", "3 mm", "pipe.tilt"),
+        ("tilt", "100 deg", "pipe.tilt: expected from"),
+        ("diameter", "200 mm", "25% more or less"),
+    ],
+)
+def test_numbers_that_cannot_be_are_refused(
+    bend: LoadedMission, name: str, text: str, said: str
+) -> None:
+    with pytest.raises(UsageError, match=said):
+        changed(bend, **{name: text})
+
+
+def test_a_run_is_simulated_with_them_and_its_mission_does_not_know(bend: LoadedMission) -> None:
+    order = Order("mitre_bend", numbers={"pipe.diameter": "118 mm", "pipe.start": "0.6 m"})
+    usual, other = prepare(Order("mitre_bend"), bend), prepare(order, bend)
+    assert usual.truth is not None
+    assert other.truth is not None
+    moved_m = usual.truth().arcs_m[0] - other.truth().arcs_m[0]
+
+    assert moved_m == pytest.approx(0.1, abs=0.005)
+    assert other.engine.program.diameter_m == usual.engine.program.diameter_m
