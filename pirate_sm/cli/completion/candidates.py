@@ -356,9 +356,8 @@ def factors(context: typer.Context, typed: str) -> Iterator[Candidate]:
     if ":" in typed:
         yield from defects(context, typed)
         return
-    for name, value in numbers(context, typed):
-        if not name.startswith("friction."):
-            yield name.removeprefix(OF_PIPE).removesuffix("="), value
+    known = [each for each in numbers(context, typed) if not each[0].startswith("friction.")]
+    yield from ((name.removeprefix(OF_PIPE).removesuffix("="), value) for name, value in known)
     yield from ((f"{name}:", about) for name, about in defects(context, ""))
 
 

@@ -29,6 +29,7 @@ SMALLEST = (
     "binary_frames --minutes 0.2",
     "completion --repeats 1",
     "console --seconds 1 --stops 1",
+    "editor --edits 20 --repeats 1 --missions climb",
     "fidelity --row 'round: elbow' --seeds 1",
     "force_intervals",
     "gliding enter_2d --repeats 1",
@@ -60,6 +61,7 @@ NOT_RUN = {
     "camera_bends": "a minute of pictures for each bend; test_by_camera.py runs one of small ones",
     "campaign_kills": "campaigns on a cluster of processes that are killed, for minutes",
     "campaigns": "campaigns on a cluster of processes, for minutes",
+    "falsify": "hundreds of runs of three missions; test_falsify.py searches in a toy",
     "mutants": "copies and compiles the tree, and runs tests itself; see test_mutants.py",
     "witness": "serves a port until it is asked to end; `kills` starts it",
 }

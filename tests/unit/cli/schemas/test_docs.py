@@ -22,7 +22,7 @@ PAGES = {
     "chart_extension": ["robots.md"],
     "camera": ["camera.md"],
     "panel": ["panel.md"],
-    "campaign": ["campaigns.md"],
+    "campaign": ["campaigns.md", "margins.md"],
     "scene": ["demo.md"],
     "twin": ["experiments.md", "campaigns.md"],
 }
