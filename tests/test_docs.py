@@ -50,7 +50,10 @@ def test_the_readme_fits_on_two_screens():
     assert len((ROOT / "README.md").read_text("utf-8").splitlines()) <= 100
 
 
-@pytest.mark.parametrize(("page", "least"), [("python.md", 15), ("learning.md", 7)])
+@pytest.mark.parametrize(
+    ("page", "least"),
+    [pytest.param("python.md", 15, marks=pytest.mark.thorough), ("learning.md", 7)],
+)
 def test_the_examples_in_python_run_as_they_are_written(monkeypatch, page, least):
     monkeypatch.chdir(ROOT)
     # A fence is no expected output.

@@ -120,14 +120,19 @@ def test_what_a_process_has_asked_of_the_disk_is_asked_again(
     assert found == checked(1, "")[0] != first
 
 
+OTHER_REFUSALS = (
+    "import multiprocessing.synchronize as s; s.SemLock.__init__ = lambda *_, **k: open('/no')",
+    "import threading; threading.Thread.start = lambda _: (_ for _ in ()).throw(RuntimeError)",
+    "import os; os.listdir = lambda _: open('/nowhere')",
+)
+
+
 @needs_processors
 @pytest.mark.parametrize(
     "refused",
     [
         "import os; os.fork = lambda: open('/nowhere')",
-        "import multiprocessing.synchronize as s; s.SemLock.__init__ = lambda *_, **k: open('/no')",
-        "import threading; threading.Thread.start = lambda _: (_ for _ in ()).throw(RuntimeError)",
-        "import os; os.listdir = lambda _: open('/nowhere')",
+        *(pytest.param(each, marks=pytest.mark.thorough) for each in OTHER_REFUSALS),
     ],
     ids=["process", "semaphore", "thread", "task"],
 )
