@@ -151,7 +151,7 @@ def test_a_page_grows_with_its_run_and_is_its_report_in_the_end(
 
     whole = run.recording.until_s
     assert it.end_s == pytest.approx(whole, abs=0.01)
-    assert outcome(it).split()[-1] == ("Failed" if name == "dead" else "Succeeded")
+    assert outcome(it).split()[-1] == ("Succeeded" if name == "bend" else "Failed")
     assert lanes < grown < it.page.locator("#timeline .span").count()
     assert it.page.locator(".story .end").count() == 1
     assert it.said == []
