@@ -61,8 +61,8 @@ def changed_pipe(
 ) -> tuple[Pipe, Jitter]:
     """Return the pipe of a run with these numbers, and its jitter with what the pipe cannot hold.
 
-    Numbers of the robot are not looked at. Both coefficients of friction are scaled alike, on
-    patches too; all diameters change alike.
+    Numbers of the robot are not looked at: the profile has them already. Both coefficients of
+    friction are scaled alike, on patches too; all diameters change alike.
 
     Raises:
         UsageError: A pipe has no such number, or it cannot be this.
@@ -90,6 +90,8 @@ def changed_pipe(
         changed["tilt"] = new["tilt"]
     if "roll" in given:
         changed["roll"] = new["roll"]
+    if "friction" in given and not own["friction"]:
+        raise UsageError("pipe.friction: the file has 0, which cannot be scaled")
     scale = new["friction"] / own["friction"] if "friction" in given else 1.0
     wider_m, forward_m = (new[name] - own[name] for name in ("diameter", "start"))
     differs = Jitter(**jitter, friction_scale=scale, wider_m=wider_m, forward_m=forward_m)

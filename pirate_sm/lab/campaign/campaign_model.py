@@ -357,6 +357,8 @@ class Campaign(RunChoices):
 
 
 Line: TypeAlias = Annotated[str, StringConstraints(min_length=1, max_length=400)]
+CommandLine: TypeAlias = Annotated[str, StringConstraints(min_length=1, max_length=4000)]
+"""A run with a number for each factor of a margin has some 600 characters."""
 
 Extra: TypeAlias = Literal["physics", "serial", "vision"]
 """An extra that a scene needs; without it the scene is left out."""
@@ -396,7 +398,7 @@ class SceneStep(Frozen):
     """
 
     about: Line | None = None
-    command: Line
+    command: CommandLine
     power_cut_in: Name | None = None
     expect: Expected = Expected()
 

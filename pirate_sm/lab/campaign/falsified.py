@@ -20,7 +20,11 @@ _OTHER_SEEDS = 10
 """With so many seeds the change is tried again."""
 
 _LOOK_S = 0.5
-_SAID = {"failed": "fails", "false": "says falsely that it has succeeded"}
+_SAID = {
+    "failed": "it fails",
+    "false": "it says falsely that it has succeeded",
+    "bug": "an internal error ends it",
+}
 
 
 @dataclass(frozen=True)
@@ -28,13 +32,14 @@ class KeptChange:
     """A change with which a mission does not pass, and where it can be seen.
 
     Attributes:
-        kind: ``failed`` or ``false``.
+        kind: ``failed``, ``false`` or ``bug``.
         size: How large it is: its length, with the range of every factor as 1.
         factors: The value of each factor that is changed, and that of the files.
         why: What came of it.
-        seeds: With how many of ten seeds it does not pass.
+        seeds: With how many of ten seeds the same comes of it.
         command: Repeats the run.
-        recording: Its recording, and a ``scene`` that plays it; empty if it could not be kept.
+        recording: Its recording; empty if it could not be kept.
+        scene: Plays it again; empty without a recording, and for an internal error.
     """
 
     kind: str
@@ -48,13 +53,14 @@ class KeptChange:
 
     def lines(self) -> Iterator[str]:
         """Yield it as lines of text."""
-        yield f"least change with which it {_SAID[self.kind]} (size {self.size:.2f}):"
+        yield f"least change with which {_SAID[self.kind]} (size {self.size:.2f}):"
         for name, (value, nominal) in self.factors.items():
             yield f"    {name} {value} instead of {nominal}"
         yield f"    {self.why}; so it is with {self.seeds} of {_OTHER_SEEDS} seeds"
         yield f"    {self.command}"
         if self.recording:
             yield f"    recorded in {shlex.quote(self.recording)}"
+        if self.scene:
             yield f"    pirate demo {shlex.quote(self.scene)}"
 
 
@@ -78,13 +84,16 @@ def keep(found: FailingChange, cell: Cell, store: Store, crew: DaskCrew) -> Kept
     recording, scene = store.recordings / f"{name}.mcap", store.folder / f"{name}.yaml"
     command = command_of(level.order, seed)
     kept = bool(recorded and recorded[0].content)
+    played = kept and kind != "bug"
     if kept:
         store.keep(recording.name, recorded[0].content)
+    if played:
         replace_file(scene, _scene(found, name, command).encode())
     changed = {f.name: (f.written(v), f.written(f.nominal)) for f, v in values.items()}
-    wrong = sum(isinstance(each, RunRow) and is_wrong(each) for each in rows)
-    places = (str(recording), str(scene)) if kept else ("", "")
-    return KeptChange(kind, found.size, changed, found.row.why, wrong, command, *places)
+    wrong = [each for each in rows if isinstance(each, RunRow) and is_wrong(each)]
+    alike = sum(each.verdict == kind for each in wrong)
+    places = str(recording) if kept else "", str(scene) if played else ""
+    return KeptChange(kind, found.size, changed, found.row.why, alike, command, *places)
 
 
 def _done(crew: DaskCrew, chunk: Chunk, seed: int) -> list[object]:
@@ -104,8 +113,8 @@ def _scene(found: FailingChange, name: str, command: str) -> str:
     scene = {
         "format": 1,
         "scene": name,
-        "title": f"The least change that was found with which the mission {said}"[:400],
-        "look_at": row.why,
+        "title": f"The least change that was found with which {said}",
+        "look_at": row.why[:1000],
         "steps": [{"command": f"{words} --record {{out}}/run.mcap", "expect": expect}],
     }
     return json.dumps(scene, indent=1) + "\n"

@@ -48,7 +48,8 @@ _SHARE_OF_SHRINKING = 0.25
 _HALVINGS = 4
 _LOOK_S = 0.5
 
-Wrong: TypeAlias = Literal["failed", "false"]
+Wrong: TypeAlias = Literal["failed", "false", "bug"]
+_KINDS: tuple[Wrong, ...] = ("failed", "false", "bug")
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,8 @@ class Falsified:
     """What a search has found.
 
     Attributes:
-        least: The smallest change of each kind: ``failed``, or ``false``, the worse one.
+        least: The smallest change of each kind: ``failed``, or ``false``, the worse one; ``bug`` is
+            an internal error of this program.
         runs: How many runs there were; ``wrong``: how many of them did not pass.
     """
 
@@ -101,8 +103,8 @@ class _Log:
 
 
 def is_wrong(row: RunRow) -> bool:
-    """Return whether a run ended and did not pass; one that cannot begin shows nothing."""
-    return row.verdict in ("failed", "false") and row.outcome != "refused"
+    """Return whether a run began and did not pass; one that cannot begin shows nothing."""
+    return row.verdict in _KINDS and row.outcome != "refused"
 
 
 def falsify(
@@ -125,8 +127,7 @@ def falsify(
     for start in range(STARTS):
         limit = search * (start + 1) // STARTS
         _search(_begun(sides, seed, start), log, limit)
-    kinds: tuple[Wrong, ...] = ("failed", "false")
-    for kind in kinds:
+    for kind in _KINDS:
         known = [each for each in log.found() if each.row.verdict == kind]
         if known:
             least[kind] = _shrunk(min(known, key=lambda each: each.size), log)
@@ -142,7 +143,8 @@ def _begun(sides: Sequence[tuple[float, float]], seed: int, start: int) -> CMA:
     drawn = np.random.default_rng((seed, start)).uniform(bounds[:, 0], bounds[:, 1])
     width = float(np.mean(bounds[:, 1] - bounds[:, 0]))
     mean = drawn if start else np.zeros(len(bounds))
-    return CMA(mean, _SIGMA * width / 2, bounds=bounds, seed=seed * STARTS + start + 1)
+    number = (seed * STARTS + start + 1) % 2**32  # cmaes takes no larger ones
+    return CMA(mean, _SIGMA * width / 2, bounds=bounds, seed=number)
 
 
 def _search(optimizer: CMA, log: _Log, limit: int) -> None:

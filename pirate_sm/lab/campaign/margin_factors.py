@@ -41,6 +41,9 @@ _USUAL_RANGES: Mapping[str, tuple[float, float]] = {
 _USUAL_WAYS: Mapping[str, float] = {"tilt": 0.7854, "roll": 0.7854, "start": 0.2}
 """The same for those that may be zero: so much to either side, rad or m [decided]."""
 
+_USUAL_FROM_ZERO: Mapping[str, float] = {"tyre.rolling_resistance": 0.04}
+"""The end of the range of a factor that gives none and is zero in the files [decided]."""
+
 _USUAL_KINDS = ("lost_messages",)
 """Kinds of defects with a number that is varied if no factors are named."""
 
@@ -110,7 +113,7 @@ def factors_around(
 
 def _usual(nominal: Mapping[str, tuple[float, str]], profile: Profile) -> Iterator[str]:
     """Yield the names of the factors of a campaign that names none."""
-    yield from PIPE_NUMBERS
+    yield from (name for name in PIPE_NUMBERS if name in _USUAL_WAYS or nominal[name][0])
     usual = ("stall_torque", "no_load_speed", "angle", "detector")
     for name, (value, _) in nominal.items():
         if name.startswith(("motors.", "noise.")) and name.endswith(usual) and value > 0.0:
@@ -147,6 +150,8 @@ def _nominal(profile: Profile, loaded: LoadedMission) -> dict[str, tuple[float, 
 
 def _of_number(name: str, ends: tuple[str, str] | None, nominal: tuple[float, str]) -> MarginFactor:
     value, unit = nominal
+    if name == "friction" and not value:
+        raise UsageError(f"{name}: it is 0 in the files, which cannot be scaled")
     if ends is not None:
         dimension = parse_quantity(f"1 {unit}".strip()).dimension if unit else DIMENSIONLESS
         low, high = (_read(name, each, dimension) for each in ends)
@@ -155,7 +160,9 @@ def _of_number(name: str, ends: tuple[str, str] | None, nominal: tuple[float, st
         low = max(low, 0.0) if name == "start" else low
     else:
         least, most = _USUAL_RANGES[name.partition(".")[0]]
-        low, high = least * value, most * value
+        low, high = least * value, most * value or _USUAL_FROM_ZERO.get(name, 0.0)
+        if not high:
+            raise UsageError(f"{name}: give a range: its value in the files is 0")
     return _checked(MarginFactor(name, READ_IN.get(unit, unit), low, high, value))
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.errors import Hint, UsageError, not_installed
 from pirate_sm.core.loading import LoadedMission, simulated_profile
-from pirate_sm.core.models import LineFaults, Pipe
+from pirate_sm.core.models import LineFaults, Pipe, Profile
 from pirate_sm.core.options import JITTER, written
 from pirate_sm.core.program import Wait
 from pirate_sm.core.registry import Plugin
@@ -105,22 +105,22 @@ def _senseless(order: Order, pipe: Pipe) -> list[str]:
     ]
 
 
-def _pipe_of(order: Order, loaded: LoadedMission) -> tuple[Pipe, Jitter]:
-    """Return the simulated pipe of an order that was checked, and how far it may yet differ."""
+def _simulated_files(order: Order, loaded: LoadedMission) -> tuple[Profile, Pipe, Jitter]:
+    """Return the simulated robot and pipe of an order that was checked, and its jitter."""
     from pirate_sm.simulation.changed_pipe import changed_pipe
 
     assert loaded.pipe is not None  # as check_order has seen
-    profile = loaded.loaded_robot.profile
-    return changed_pipe(loaded.pipe, profile, order.numbers, order.jitter)
+    profile = simulated_profile(loaded.loaded_robot.profile, order.twin, order.seed, order.numbers)
+    return profile, *changed_pipe(loaded.pipe, profile, order.numbers, order.jitter)
 
 
 def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equipment:
     """Return a simulated robot that a physics moves, where the mission begins."""
     from pirate_sm.simulation.backend import SimulatorBackend
 
-    pipe, jitter = _pipe_of(order, loaded)
+    profile, pipe, jitter = _simulated_files(order, loaded)
     backend = SimulatorBackend(
-        simulated_profile(loaded.loaded_robot.profile, order.twin, order.seed, order.numbers),
+        profile,
         pipe,
         seed=order.seed,
         start_values=start_values(loaded),
@@ -234,12 +234,12 @@ def _bay(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
     except ModuleNotFoundError as error:
         raise without_messages(error) from None
-    pipe, jitter = _pipe_of(order, loaded)
+    profile, pipe, jitter = _simulated_files(order, loaded)
     robot = loaded.loaded_robot
     plan = read_plan(robot.folder, robot.profile, loaded.robot)
     line = order.line or LineFaults()
     bay = VirtualBay(
-        simulated_profile(robot.profile, order.twin, order.seed, order.numbers),
+        profile,
         pipe,
         message_texts(robot.folder, robot.profile),
         Switches(

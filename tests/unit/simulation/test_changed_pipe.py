@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from math import radians
+from typing import Any
 
 import pytest
 
 from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import LoadedMission, load_mission
-from pirate_sm.core.models import Pipe
+from pirate_sm.core.models import Friction, Pipe
 from pirate_sm.running.wiring import Order, prepare
+from pirate_sm.simulation import simulated_robot
 from pirate_sm.simulation.changed_pipe import changed_pipe, numbers_of
-from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
+from pirate_sm.simulation.surroundings import NO_JITTER, Jitter, Surroundings, surroundings_of
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +60,31 @@ def test_numbers_that_cannot_be_are_refused(
 ) -> None:
     with pytest.raises(UsageError, match=said):
         changed(bend, **{name: text})
+
+
+def test_friction_that_is_zero_in_the_file_cannot_be_scaled(bend: LoadedMission) -> None:
+    assert bend.pipe is not None
+    smooth = bend.pipe.model_copy(update={"friction": Friction(static=0.0, kinetic=0.0)})
+
+    with pytest.raises(UsageError, match=r"pipe\.friction: the file has 0, which cannot be scaled"):
+        changed_pipe(smooth, bend.loaded_robot.profile, {"pipe.friction": "0.3"}, {})
+
+
+@pytest.mark.parametrize("backend", ["sim", "bay"])
+def test_friction_is_what_is_given_whatever_friction_the_robot_is_given(
+    bend: LoadedMission, monkeypatch: pytest.MonkeyPatch, backend: str
+) -> None:
+    found = list[Surroundings]()
+
+    def noted(*args: Any, **options: Any) -> Surroundings:
+        found.append(surroundings_of(*args, **options))
+        return found[-1]
+
+    monkeypatch.setattr(simulated_robot, "surroundings_of", noted)
+    numbers = {"friction.kinetic": "0.3", "pipe.friction": "0.25"}
+    prepare(Order("mitre_bend", backend=backend, numbers=numbers), bend)
+
+    assert [each.friction.kinetic for each in found] == [pytest.approx(0.25)]
 
 
 def test_a_run_is_simulated_with_them_and_its_mission_does_not_know(bend: LoadedMission) -> None:

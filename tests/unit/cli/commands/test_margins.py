@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from pirate_sm.core import library
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.loading import load_mission
 from pirate_sm.lab.campaign.campaign_file import check_campaign, read_campaign
+from pirate_sm.lab.campaign.margin_factors import factors_around
+from pirate_sm.lab.campaign.margins_model import Margins
+from pirate_sm.running.wiring import Order
 
+PAGE = Path(__file__).parents[4] / "docs" / "margins.md"
 FILE = """\
 format: 1
 campaign: trial
@@ -76,6 +84,39 @@ def test_the_check_finds_what_a_campaign_would_be_refused_for(tmp_path: Path) ->
     _, findings = check_campaign(tmp_path / "trial.yaml")
 
     assert [each.code for each in findings] == ["campaign.margins"]
+
+
+def test_rolling_resistance_that_is_zero_in_the_files_has_a_default_range(tmp_path: Path) -> None:
+    (tyre,) = plan_of(tmp_path, "[tyre.rolling_resistance]").cells[0].around
+
+    assert (tyre.low, tyre.nominal, tyre.high) == (0.0, 0.0, 0.04)
+
+
+def test_other_numbers_that_are_zero_in_the_files_need_a_range() -> None:
+    loaded = load_mission(library.find_mission("drive_on"))
+    order = Order("drive_on", numbers={"noise.current": "0 A"})
+    (current,) = factors_around(order, loaded, Margins(factors={"noise.current": ("0 A", "1 A")}))
+
+    assert (current.low, current.nominal, current.high) == (0.0, 0.0, 1.0)
+    with pytest.raises(UsageError, match=r"noise\.current: give a range: its value .* is 0"):
+        factors_around(order, loaded, Margins(factors={"noise.current": None}))
+
+
+def test_friction_that_is_zero_in_the_files_is_no_factor() -> None:
+    loaded = load_mission(library.find_mission("drive_on"))
+    order = Order("drive_on", numbers={"friction.static": "0", "friction.kinetic": "0"})
+
+    assert "friction" not in {each.name for each in factors_around(order, loaded, Margins())}
+    with pytest.raises(UsageError, match="friction: it is 0 in the files, which cannot be scaled"):
+        factors_around(order, loaded, Margins(factors={"friction": ("0", "1")}))
+
+
+def test_the_campaign_file_of_the_page_about_margins_is_right(tmp_path: Path) -> None:
+    (block,) = re.findall(r"```yaml\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
+    file = tmp_path / "margins.yaml"
+    file.write_text(block, "utf-8")
+
+    assert not check_campaign(file)[1]
 
 
 @pytest.mark.thorough

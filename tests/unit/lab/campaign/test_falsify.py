@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.checking.permissions import SCENES
 from pirate_sm.lab.campaign.chunk import Chunk, RunRow
 from pirate_sm.lab.campaign.falsify import (
+    STARTS,
     Evaluation,
     Falsified,
     Point,
@@ -99,6 +99,24 @@ def test_a_run_that_cannot_begin_is_no_failure() -> None:
     assert not searched(60, judged=lambda point: refused)[0].least
 
 
+def test_an_internal_error_is_found_as_a_kind_of_its_own() -> None:
+    def broken(point: Point) -> RunRow:
+        return row(str(point), 0, "bug" if point[1] > 0.2 else "passed", "ZeroDivisionError")
+
+    found = searched(judged=broken)[0]
+
+    assert set(found.least) == {"bug"}
+    assert 0.2 < found.least["bug"].size < 0.25
+    assert found.wrong > 0
+
+
+@pytest.mark.parametrize("seed", [2**32 // STARTS, 2**32 - 1, 2**64])
+def test_every_seed_that_a_run_can_have_begins_a_search(seed: int) -> None:
+    found, asked = searched(20, seed=seed)
+
+    assert found.runs == len(set(asked)) > 1
+
+
 def test_runs_that_are_stored_are_not_run_again(tmp_path: Path) -> None:
     one = replace(cell("bend", (0,)), around=FACTORS)
     points = [(-0.5, 0.0, 0.0, 0.25), (0.0, 0.0, 0.0, 0.0), (0.0, 0.5, 0.0, 0.0)]
@@ -130,7 +148,3 @@ def test_the_values_of_a_change_are_those_of_its_factors() -> None:
         "friction": "0.3",
         "messages_lost:share": "0.125",
     }
-
-
-def test_the_scene_of_what_was_found_is_one_that_may_be_played() -> None:
-    assert {"numbers", "defects", "seed", "record"} <= SCENES["run"]
