@@ -350,17 +350,22 @@ def earliest_s(found: Exploration) -> Mapping[int, float]:
         if step.source < 0:
             heappush(waiting, (0.0, step.target))
         else:
-            took_s = max(step.move.at_s - found.nodes[step.source].now, 0.0)
-            after[step.source].append((step.target, took_s))
+            after[step.source].append((step.target, took_s(found, step)))
     known: dict[int, float] = {}
     while waiting:
         time_s, node = heappop(waiting)
         if node in known:
             continue
         known[node] = time_s
-        for target, took_s in after[node]:
-            heappush(waiting, (time_s + took_s, target))
+        for target, more_s in after[node]:
+            heappush(waiting, (time_s + more_s, target))
     return known
+
+
+def took_s(found: Exploration, step: ExploredStep) -> float:
+    """Return how long after the node before it a step is made, with nominal durations, s."""
+    before_s = found.nodes[step.source].now if step.source >= 0 else step.move.at_s
+    return max(step.move.at_s - before_s, 0.0)
 
 
 # --- fault handlers ------------------------------------------------------------------------------

@@ -194,8 +194,13 @@ def _head(loaded: LoadedMission, ways: _Ways, new: str) -> Iterator[str]:
 
 
 def _states(loaded: LoadedMission, phase: str) -> dict[str, str]:
-    """Return the states that are confirmed in all situations in which a phase begins."""
+    """Return the states that are confirmed in all situations in which a phase begins.
+
+    None are if not all situations were explored.
+    """
     (first, *_), _conditions = explore_mission(loaded)
+    if not first.found.complete:
+        return {}
     bodies = [
         first.found.nodes[step.target].state.robot
         for step in first.found.steps

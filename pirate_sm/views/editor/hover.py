@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from math import inf, isinf
+from typing import Final
 
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING
 from pirate_sm.checking.reports.text import explained
@@ -16,6 +17,8 @@ from pirate_sm.core.spelling import listed
 from pirate_sm.core.units import describe, unit_of
 from pirate_sm.views.drawing.robot_page import command_blocks, markdown
 from pirate_sm.views.editor.known_mission import KnownMission
+
+NEVER: Final = "never reached"
 
 
 def detail(known: KnownMission, word: str) -> str:
@@ -35,15 +38,16 @@ def detail(known: KnownMission, word: str) -> str:
     if word in mission.parameters:
         return f"parameter, {known.loaded.parameters[word]}"
     if word in mission.phases or word in mission.ends:
-        return f"{'phase' if word in mission.phases else 'end'}, reached after {times(known, word)}"
+        what, time = "phase" if word in mission.phases else "end", times(known, word)
+        return f"{what}, {time}" if time == NEVER else f"{what}, reached after {time}"
     return "fault" if word in robot.fault_codes else ""
 
 
 def times(known: KnownMission, name: str) -> str:
-    """Return the shortest and the longest time to a phase or an end: ``3.2 s … 45 s``."""
+    """Return the shortest and the longest time to a phase or an end, ``3.2 s … 45 s``, or never."""
     shortest_s, longest_s = known.times_s(name)
     if isinf(shortest_s):
-        return "no time: nothing leads here"
+        return NEVER
     return f"{shortest_s:.3g} s … " + ("any time" if isinf(longest_s) else f"{longest_s:.4g} s")
 
 

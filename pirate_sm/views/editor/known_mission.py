@@ -13,10 +13,11 @@ from math import inf
 from pirate_sm.checking.actuation_in_force import InForce
 from pirate_sm.checking.exploring.exploration import Explored
 from pirate_sm.checking.exploring.signal_ranges import Range, ranges
-from pirate_sm.checking.mission.time_and_order import earliest_s
+from pirate_sm.checking.mission.time_and_order import earliest_s, took_s
 from pirate_sm.checking.pipe.usual_course import course_of
 from pirate_sm.core import program as steps
 from pirate_sm.core.documents import FileKind, kind_of_text
+from pirate_sm.core.effects import Ended, PhaseChange
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.models import Mission
 from pirate_sm.core.robot import RobotState, refusal
@@ -32,11 +33,17 @@ class KnownMission:
 
     Attributes:
         loaded: The mission; targets that it does not have lead nowhere.
-        explored: What can happen to it; empty as long as it was not explored.
+        explored: All that can happen to it; empty as long as not all of it was explored.
     """
 
     loaded: LoadedMission
     explored: tuple[Explored, ...] = ()
+
+    @classmethod
+    def checked(cls, loaded: LoadedMission, explored: tuple[Explored, ...]) -> KnownMission:
+        """Return a mission with what the check explored; without it if that reached its limits."""
+        whole = all(book.found.complete for book in explored)
+        return cls(loaded, explored if whole else ())
 
     @property
     def text(self) -> str:
@@ -69,21 +76,26 @@ class KnownMission:
     def times_s(self, name: str) -> tuple[float, float]:
         """Return the shortest and the longest time to a phase or an end, s.
 
-        The shortest is with the nominal durations of commands, as far as it was explored; the
-        longest is that of all limits, and infinite if nothing limits it.
+        The shortest is with the nominal durations of commands: infinite if nothing leads there,
+        and 0 as long as not all was explored. The longest is that of all limits, and infinite if
+        nothing limits it.
         """
-        return self._shortest_s.get(name, 0.0), self._longest_s.get(name, inf)
+        unseen_s = inf if self.explored else 0.0
+        return self._shortest_s.get(name, unseen_s), self._longest_s.get(name, inf)
 
     @cached_property
     def _shortest_s(self) -> Mapping[str, float]:
+        """Return the shortest time to each phase and end, also where nothing waits in it, s."""
         found = defaultdict[str, float](lambda: inf)
         for book in self.explored:
-            program = book.found.program
-            for node, time_s in earliest_s(book.found).items():
-                mission = book.found.nodes[node].state.mission
-                ending = mission.ending
-                names = [ending.end] if ending else [program.phase_of[mission.pc].split("/")[0]]
-                found |= {name: min(found[name], time_s) for name in names}
+            earliest = earliest_s(book.found)
+            for step in book.found.steps:
+                time_s = earliest.get(step.source, 0.0) + took_s(book.found, step)
+                names = [each.phase for each in step.effects if isinstance(each, PhaseChange)]
+                names += [each.end for each in step.effects if isinstance(each, Ended)]
+                ending = book.found.nodes[step.target].state.mission.ending
+                names += [ending.end] if ending else []
+                found |= {each: min(found[each], time_s) for each in names}
         return found
 
     @cached_property

@@ -194,7 +194,7 @@ class Editor:
         last = {path: each for path, each in self._missions.items() if path in texts}
         for file, each in noted.items():
             if each.loaded is not None:
-                last[os.path.realpath(file)] = KnownMission(each.loaded, each.explored)
+                last[os.path.realpath(file)] = KnownMission.checked(each.loaded, each.explored)
         self._missions = last
         checked = CheckedTexts(report, texts, uris, self._server.workspace.position_codec)
         return checked, checked.diagnostics()

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from pirate_sm.checking.exploring import explore
 from pirate_sm.checking.mission_behaviour import Abilities, abilities_of
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import load_mission
@@ -50,6 +52,18 @@ def test_the_text_is_moved_with_its_comments_and_its_parameters(tmp_path: Path) 
     assert made.called.endswith(
         'ends:\n  halt: {succeed: On to halt}\n  regrip: {fail: "{cause}"}\n'
     )
+
+
+def test_states_are_promised_only_if_all_was_explored(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = taken_out(tmp_path / "drive.yaml", ["halt"], DRIVE)
+    monkeypatch.setattr(explore, "MOST_WORK", 100)
+    monkeypatch.setattr(explore, "_SHARED", deque())
+    part = taken_out(tmp_path / "drive.yaml", ["halt"], DRIVE)
+
+    assert "BendingState: " in whole.called
+    assert "starts_in: {}\n" in part.called
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from .client import CAPABILITIES, Client, Json, served
+from benchmarks.editor_client import CAPABILITIES
+from pirate_sm.checking.exploring import explore
+
+from .client import Client, Json, served
 from .test_completions import DRIVE, place
 
 SNIPPETS = {"completion": {"completionItem": {"snippetSupport": True}}}
@@ -102,6 +106,63 @@ def test_quantities_have_their_si_value_and_phases_their_times(client: Client) -
     (times,) = (each["label"] for each in hints if each["position"]["line"] == halt)
     shortest, longest = times.split(" … ")
     assert 0 < float(shortest.removesuffix(" s")) < float(longest.removesuffix(" s")) <= 300
+
+
+def time_of(client: Client, text: str, phase: str, name: str = "drive.yaml") -> str:
+    hints = client.about("inlayHint", Path.cwd() / name, range=EVERYTHING)
+    line = text[: text.index(f"  {phase}:")].count("\n")
+    (time,) = (each["label"] for each in hints if each["position"]["line"] == line)
+    return str(time)
+
+
+def test_what_nothing_leads_to_is_said_to_be_never_reached(client: Client) -> None:
+    alone = "  alone: {do: [Brake], go: other}\n  regrip:\n"
+    text = DRIVE.replace("  regrip:\n", alone) + "  other: {fail: Never}\n"
+    client.write(Path.cwd() / "drive.yaml", text)
+
+    assert time_of(client, text, "alone") == "never reached"
+    assert "end, never reached" in hover(client, text.replace("go: other", "go: oth¦er"))
+    assert " s … " in time_of(client, text, "regrip")
+
+
+def test_a_phase_in_which_nothing_waits_has_the_time_of_the_next_one(client: Client) -> None:
+    passed = "  halt: {do: [{log: There}], go: stop}\n  stop: {do: [Brake], go: arrived}\n"
+    text = DRIVE.replace("  halt: {do: [Brake], go: arrived}\n", passed)
+    client.write(Path.cwd() / "drive.yaml", text)
+
+    assert time_of(client, text, "halt") == time_of(client, text, "stop") == "14.5 s … 90 s"
+
+
+def test_an_end_before_anything_has_moved_has_its_time_too(client: Client) -> None:
+    question = "- {ask: Free?, choices: {free: continue, wait: not_now}, timeout: 9 s}"
+    text = DRIVE.replace("- ClampFront", f"{question}\n      - ClampFront", 1)
+    text += "  not_now: {fail: Not now}\n"
+    client.write(Path.cwd() / "drive.yaml", text)
+
+    assert "end, reached after 0 s … 9 s" in hover(client, text.replace("not_now}", "not_n¦ow}"))
+
+
+def test_nothing_is_called_impossible_where_the_check_reached_its_limits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(explore, "MOST_WORK", 8)
+    monkeypatch.setattr(explore, "_SHARED", deque())
+    with served() as client:
+        client.begin(tmp_path)
+        found = client.write(tmp_path / "drive.yaml", DRIVE)
+        assert [each["code"] for each in found] == ["check.too_large"]
+
+        said = {
+            word: hover(client, DRIVE.replace(word, f"{word[:-1]}¦{word[-1]}", 1))
+            for word in ("when", "go: halt", "go: arrived")
+        }
+        times = [time_of(client, DRIVE, phase) for phase in ("drive", "halt", "regrip")]
+
+    assert said["when"].startswith("`change(odometry) >= $way`\n")
+    assert "reached after 0 s … " in said["go: halt"]
+    assert "State: " not in said["go: halt"]
+    assert "reached after 0 s … " in said["go: arrived"]
+    assert all(each.startswith("0 s … ") for each in times)
 
 
 def test_hints_are_only_those_of_the_part_that_is_shown(client: Client) -> None:
