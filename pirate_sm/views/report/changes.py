@@ -16,6 +16,8 @@ Change: TypeAlias = tuple[list[str | int], Any] | tuple[list[str | int], int, li
 def changes(before: Any, after: Any, path: tuple[str | int, ...] = ()) -> Iterator[Change]:
     """Yield what turns one value into the other, to be done in this order.
 
+    The order of keys does not count, and values that are equal in Python are not told apart.
+
     Args:
         before: Plain data as in JSON.
         after: The same later.
