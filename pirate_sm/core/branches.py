@@ -27,6 +27,7 @@ from pirate_sm.core._engine.mission.program import (
     SwitchControl,
     Wait,
 )
+from pirate_sm.core._engine.robot.robot_state import RESTORING
 
 
 class MissionBranch(NamedTuple):
@@ -51,7 +52,7 @@ def branches(program: Program, commands: tuple[str, ...]) -> dict[BranchKey, Mis
     """Return all branches of a mission, in the order of its instructions.
 
     A failure that nothing handles, and a fault without a handler, do not count: they end the
-    mission.
+    mission. Commands that a resumed run gives before it continues are in no file and do not either.
 
     Args:
         program: The mission.
@@ -60,7 +61,7 @@ def branches(program: Program, commands: tuple[str, ...]) -> dict[BranchKey, Mis
     found: dict[BranchKey, MissionBranch] = {}
     for at, it in enumerate(program.instructions):
         for kind, place, name, what, target in _ways(program, it, commands):
-            if place and (target >= 0 or kind == "within"):
+            if place not in ("", RESTORING) and (target >= 0 or kind == "within"):
                 key = BranchKey(kind, place, name)
                 found.setdefault(key, MissionBranch(key, what, _name(program, at, target)))
         for each in program.handlers[at]:

@@ -38,7 +38,7 @@ from pirate_sm.lab.coverage.evidence import (
     taken_in,
 )
 from pirate_sm.lab.coverage.file_coverage import Coverage
-from pirate_sm.lab.coverage.missing import rehearsals, scene_file, write_scene
+from pirate_sm.lab.coverage.missing import rehearsals, write_scene, written_files
 from pirate_sm.running.recording.format.header import RecordedFile, recorded_files
 from pirate_sm.running.wiring import Order
 
@@ -186,9 +186,10 @@ def _write_missing(
     """Find runs that take what no run has taken, count them, and write them as scenes.
 
     Raises:
-        UsageError: The folder is not writable, or a scene there would be lost.
+        UsageError: The folder is not writable, or a scene or a script there would be lost.
     """
-    refuse_losses([scene_file(folder, path) for path in targets], overwrite=options.overwrite)
+    written = [each for path in targets for each in written_files(folder, path)]
+    refuse_losses(written, overwrite=options.overwrite)
     for path, target in targets.items():
         known = branches(target.loaded.program, names_of_commands(target.loaded))
         untaken, untraced = (

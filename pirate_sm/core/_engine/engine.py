@@ -154,8 +154,7 @@ class Engine:
             if isinstance(report, events.SignalReport):
                 state = inputs.signal_report(moment, state, report)
         if resumed is not None:
-            moment.take("resume", self.program.taken_up)
-            state = state._replace(robot=commands.stop(moment, state.robot, state.sensing))
+            state = _take_up(moment, state, resumed)
         return settle(moment, state, state), tuple(moment.effects)
 
     def _declared(self) -> RobotState:
@@ -306,6 +305,13 @@ class Engine:
         """Return the slots of the newest array whose loop leaves zero behind when it stops."""
         flight = state.robot.flight
         return state.robot.seeking if flight is None else flight.seeking
+
+
+def _take_up(moment: Moment, state: EngineState, resumed: Resumption) -> EngineState:
+    """Return the state with which a resumed run begins: its first array holds the robot."""
+    if resumed.entry.by_resume:
+        moment.take("resume", moment.program.taken_up)
+    return state._replace(robot=commands.stop(moment, state.robot, state.sensing))
 
 
 def _in_states(robot: RobotSpec, body: RobotState, change: StateChange) -> RobotState:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pirate_sm.core._engine.mission.program import BranchKey, BranchKind, Program
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
+from pirate_sm.core._engine.robot.robot_state import RESTORING
 from pirate_sm.core._model.events import ALPHABET_VERSION
 from pirate_sm.core.effects import Effect, Log
 
@@ -79,6 +80,9 @@ class Moment:
         self.effects.append(Log("warning", message))
 
     def take(self, kind: BranchKind, place: str, name: str = "") -> None:
-        """Note that the mission takes this branch, if branches are counted."""
-        if self.taken is not None:
+        """Note that the mission takes this branch, if branches are counted.
+
+        A command that a resumed run gives before it continues is in no file and has no branch.
+        """
+        if self.taken is not None and place != RESTORING:
             self.taken.append(BranchKey(kind, place, name))

@@ -131,6 +131,14 @@ def scene_file(folder: Path, mission: Path) -> Path:
     return folder / f"{mission.stem}_branches.yaml"
 
 
+def written_files(folder: Path, mission: Path) -> list[Path]:
+    """Return what :func:`write_scene` may replace: the scene, and scripts that are there."""
+    scene = scene_file(folder, mission)
+    numbered = re.compile(rf"{re.escape(scene.stem)}_\d+{re.escape(SCRIPT_SUFFIX)}")
+    there = sorted(folder.glob(f"*{SCRIPT_SUFFIX}"))
+    return [scene, *(each for each in there if numbered.fullmatch(each.name))]
+
+
 def write_scene(
     folder: Path,
     path: Path,

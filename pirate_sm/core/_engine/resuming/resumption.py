@@ -52,12 +52,14 @@ class Entry(NamedTuple):
         armed_s: For a wait, how long it had been armed; its time limit goes on from there.
         origin: The signals from which a wait counts that counts on; a change of a signal that is
             NaN here stays unknown. Empty where no wait has counted.
+        by_resume: Whether the phase in which the run was cut off names this one with ``resume``.
     """
 
     pc: int
     restoring: tuple[int, ...] = ()
     armed_s: float = 0.0
     origin: Numbers = ()
+    by_resume: bool = False
 
 
 class Refused(NamedTuple):
@@ -100,7 +102,9 @@ def entry(
         return other
     origin = tuple(nan if index in lost else was for index, was in enumerate(mission.origin))
     if other is not None:
-        return Entry(other, _restoring(robot, program, last, body, drives=False), origin=origin)
+        given = _restoring(robot, program, last, body, drives=False)
+        named = at == HERE and isinstance(program.entered(pc).resume, int)
+        return Entry(other, given, origin=origin, by_resume=named)
     before = mission.before_pause
     if before is not None and before.configuration != last.robot.configuration:
         return Refused("it was paused, and the operator had changed the configuration since")

@@ -10,6 +10,13 @@ from typing import Any
 import pytest
 import yaml
 
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.wiring import Order
+from tests.unit.running.recording.recording_runs import record_cut_off
+
+CUT_S = 19.8
+"""The mission drives then."""
+
 MISSION = """\
 format: 1
 mission: look
@@ -114,6 +121,22 @@ def test_a_file_that_is_no_recording_is_named_and_the_others_count(pirate: Any, 
     assert "1 simulated" in result.stdout
 
 
+@pytest.mark.thorough
+def test_a_run_that_was_resumed_counts_with_and_without_its_mission(
+    pirate: Any, look: Path
+) -> None:
+    record_cut_off(Path("cut.mcap"), Order("look.yaml"), CUT_S)
+    resumed = pirate(
+        "run", "--resume", "cut.mcap", "--accept", "--speed", "max", "--record", "on.mcap"
+    )
+    assert resumed.exit_code == 0, resumed.output
+
+    alone = measured(pirate, "on.mcap")
+    assert taken(alone) == taken(measured(pirate, look, "on.mcap")) == {(10, "trigger"), (14, "if")}
+    (before,) = read_recording(Path("on.mcap")).header.resumed
+    assert '"restoring":[]' not in before.resumption
+
+
 def test_too_few_branches_are_an_exit_code(pirate: Any, look: Path) -> None:
     assert pirate("coverage", look, "--at-least", 1).exit_code == 1
     assert pirate("coverage", look, "--rehearse", 1, "--at-least", 10).exit_code == 0
@@ -156,6 +179,22 @@ def test_lcov_and_the_page_are_written_over_their_own_only(pirate: Any, look: Pa
     assert "<script" not in page
     Path("c.info").write_text("mine", "utf-8")
     assert pirate("coverage", look, "--lcov", "c.info").exit_code == 2
+
+
+@pytest.mark.parametrize("name", ["look_branches.yaml", "look_branches_4.script.yaml"])
+def test_scenes_and_scripts_that_may_be_edited_are_not_replaced(
+    pirate: Any, look: Path, name: str
+) -> None:
+    mine = Path("more", name)
+    mine.parent.mkdir()
+    mine.write_text("mine", "utf-8")
+
+    result = pirate("coverage", look, "--write-missing", "more", "--tries", 0)
+
+    assert result.exit_code == 2
+    assert name in result.stderr
+    assert [*mine.parent.iterdir()] == [mine]
+    assert mine.read_text("utf-8") == "mine"
 
 
 @pytest.mark.thorough

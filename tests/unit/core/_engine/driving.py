@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from pirate_sm.core import effects as fx
 from pirate_sm.core._engine.engine import Engine
-from pirate_sm.core._engine.mission.program import Program
+from pirate_sm.core._engine.mission.program import BranchKey, Program
 from pirate_sm.core._engine.robot.robot_spec import RobotSpec
 from pirate_sm.core._engine.robot.robot_state import RobotState, at_rest_in, states_of, unconfirmed
 from pirate_sm.core._engine.sensing.board_spec import WatchedSpec
@@ -50,6 +50,7 @@ class Driver:
         now: Mission time.
         effects: Everything so far, in order.
         signals: What the sensors would show, SI, by the signal's name.
+        taken: The branches of the mission that were taken, in order.
         doubting: Whether sensors must show what is possible. Where a test makes joints jump and
             motors draw no current they need not, and boards report as often as it likes.
         loss: Share of reports that the engine takes to be lost, where nothing is doubted.
@@ -73,7 +74,8 @@ class Driver:
         self.robot = robot
         self.doubting = doubting
         self.loss = 0.0
-        self.engine = Engine(robot, program, nominal=nominal)
+        self.taken: list[BranchKey] = []
+        self.engine = Engine(robot, program, nominal=nominal, taken=self.taken)
         self.now = 0.0
         upright = {"acc_z": 9.81} if "acc_z" in robot.vocabulary.numbers else {}
         # A part that holds alone while the other bends bears a torque, else it slides.

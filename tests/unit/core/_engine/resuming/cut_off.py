@@ -80,7 +80,9 @@ def resumed(before: Driver, program, found: Resumption) -> Driver:
     """An engine that goes on, with the world as it was."""
     driver = Driver.__new__(Driver)
     driver.__dict__ |= before.__dict__
-    driver.engine = Engine(before.robot, found.program(program), nominal=False)
+    driver.taken = []
+    resuming = found.program(program)
+    driver.engine = Engine(before.robot, resuming, nominal=False, taken=driver.taken)
     driver.now = 0.0
     driver.state, effects = driver.engine.start(0.0, resumed=found)
     driver.effects = list(effects)
