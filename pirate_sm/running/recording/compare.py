@@ -127,11 +127,14 @@ def compared_run(recording: Recording, loaded: LoadedMission) -> ComparedRun:
     kinds = tuple(str(vocabulary.types[name]) for name in vocabulary.numbers)
     apart_s = 0.0
     found = ComparedRun(names=vocabulary.numbers, kinds=kinds)
+    fault = ""
     for again in rerun(recording, loaded, every_signal=True):
         at_s = again.at_s
         found.until_s = max(found.until_s, at_s)
         for effect in again.step.effects:
-            what = _mark(effect)
+            if isinstance(effect, fx.Fault) and effect.handling == "stop":
+                fault = effect.code
+            what = _mark(effect, fault)
             if what:
                 found.marks.append(Milestone(what, at_s))
             if isinstance(effect, fx.Ended):
@@ -142,7 +145,8 @@ def compared_run(recording: Recording, loaded: LoadedMission) -> ComparedRun:
     return found
 
 
-def _mark(effect: fx.Effect) -> str:
+def _mark(effect: fx.Effect, fault: str) -> str:
+    """Return the mark that an effect is, empty if none; ``fault`` is the code of what stops it."""
     match effect:
         case fx.PhaseChange():
             return f"phase {effect.phase}"
@@ -151,7 +155,8 @@ def _mark(effect: fx.Effect) -> str:
         case fx.TriggerFired():
             return f"{effect.phase}: {effect.trigger} fired"
         case fx.Ended():
-            return f"{effect.outcome}: {effect.end}" if effect.end else effect.outcome
+            why = effect.end or (fault if effect.outcome == "fault" else "")
+            return f"{effect.outcome}: {why}" if why else effect.outcome
         case _:
             return ""
 
@@ -201,22 +206,39 @@ _SAME_S = 0.1
 
 
 def story(first: ComparedRun, second: ComparedRun, found: Comparison) -> str:
-    """Return in one sentence where two runs part, or what made one of them take longer."""
+    """Return in one sentence where two runs part, or what made one of them take longer.
+
+    It says how each ended, unless both ended alike on the same course.
+    """
+    ends = "A {}, B {}".format(
+        *(each.ending or "is not recorded to its end" for each in (first, second))
+    )
     if found.parted is not None:
         last = found.legs[-1] if found.legs else None
         since = "immediately"
         if last is not None:
             since = f"after '{last.mark}' ({last.first_s:.1f} s, {last.second_s:.1f} s)"
-        ends = (each.ending or "is not recorded to its end" for each in (first, second))
         a, b = found.parted
-        return "A and B part {}: A comes to '{}', B to '{}'; A {}, B {}".format(since, a, b, *ends)
+        return f"A and B part {since}: A comes to '{a}', B to '{b}'; {ends}"
+    if not (first.ending and second.ending):
+        until = f"{first.until_s:.1f} s of A and {second.until_s:.1f} s of B"
+        return f"A and B take the same course as far as it is recorded, {until}; {ends}"
+    took = f"A and B take the same course{_pace(first, second, found)}"
+    return took if first.ending == second.ending else f"{took}; {ends}"
+
+
+def _pace(first: ComparedRun, second: ComparedRun, found: Comparison) -> str:
+    """Return how long two runs of the same course took."""
     later_s = second.until_s - first.until_s
     slower = max(found.legs, key=lambda leg: abs(_later_s(leg)), default=None)
-    if slower is None or max(abs(later_s), abs(_later_s(slower))) < _SAME_S:
-        return "A and B take the same course in the same time"
+    most_s = 0.0 if slower is None else abs(_later_s(slower))
+    if max(abs(later_s), most_s) < _SAME_S:
+        return " in the same time"
+    whole = f"; B takes {abs(later_s):.1f} s {'longer' if later_s > 0 else 'less'} than A"
+    if slower is None:
+        return whole
     lasted = f"{slower.lasted_first_s:.1f} s in A, {slower.lasted_second_s:.1f} s in B"
-    whole = f"B takes {abs(later_s):.1f} s {'longer' if later_s > 0 else 'less'} than A"
-    return f"A and B take the same course; {whole}, mostly up to '{slower.mark}' ({lasted})"
+    return f"{whole}, mostly up to '{slower.mark}' ({lasted})"
 
 
 def _later_s(leg: MissionLeg) -> float:

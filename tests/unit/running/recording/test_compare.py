@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-import pytest
-from recording_runs import record
+from types import SimpleNamespace
 
+import pytest
+from recording_runs import ROOT, record
+
+from pirate_sm.core.effects import Ended, Fault
+from pirate_sm.core.loading import load_mission
 from pirate_sm.running.recording import compare as module
 from pirate_sm.running.recording.compare import ComparedRun, Milestone, compare, compared_run, story
 from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import Rerun
 from pirate_sm.running.wiring import Order
 
 
@@ -145,6 +150,46 @@ def test_the_story_of_two_like_runs_is_that_nothing_differs():
     one, other = told(("phase drive", 1.0)), told(("phase drive", 1.05))
 
     assert story(one, other, compare(one, other)) == "A and B take the same course in the same time"
+
+
+def test_runs_that_end_differently_after_the_same_course_say_so():
+    one = told(("phase drive", 1.0), ("failed", 2.0), ending="failed (wheel.dead)")
+    other = told(("phase drive", 1.0), ("failed", 2.0), ending="failed (drive: no way)")
+
+    assert story(one, other, compare(one, other)) == (
+        "A and B take the same course in the same time; "
+        "A failed (wheel.dead), B failed (drive: no way)"
+    )
+
+
+def test_runs_that_are_cut_off_are_the_same_as_far_as_they_are_recorded():
+    one = told(("phase drive", 1.0), ending="")
+    other = told(("phase drive", 1.0), ending="")
+    one.until_s, other.until_s = 5.0, 50.0
+
+    assert story(one, other, compare(one, other)) == (
+        "A and B take the same course as far as it is recorded, 5.0 s of A and 50.0 s of B; "
+        "A is not recorded to its end, B is not recorded to its end"
+    )
+
+
+def test_runs_without_marks_take_the_time_that_they_take():
+    one, other = (ComparedRun(until_s=each, ending="fault (x)") for each in (0.0, 90.0))
+
+    assert story(one, other, compare(one, other)) == (
+        "A and B take the same course; B takes 90.0 s longer than A"
+    )
+
+
+def test_the_fault_that_ends_a_run_is_in_its_last_mark(monkeypatch):
+    lost = Fault("link.lost", "nothing came for 0.5 s", "stop")
+    known = Fault("rule.broken", "a rule that only warns", "continue")
+    step = SimpleNamespace(effects=(lost, known, Ended("fault", "lost")), event=None)
+    monkeypatch.setattr(module, "rerun", lambda *_, **__: [Rerun(step, None, (), 12.0)])
+
+    run = compared_run(None, load_mission(ROOT / "sequences" / "mitre_bend.yaml"))
+
+    assert run.marks == [Milestone("fault: link.lost", 12.0)]
 
 
 def test_a_run_that_is_cut_off_at_its_start_has_a_story_too():
