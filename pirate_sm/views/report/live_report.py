@@ -62,18 +62,21 @@ class LiveReport:
     Args:
         path: The recording.
         publish: Receives each edition, in that thread.
-
-    Attributes:
-        problem: Why it has ended before the recording; empty if it has not.
+        failed: Receives, in that thread, why there is no edition and none will follow. What goes
+            wrong after the first edition is a warning in the last one.
 
     Raises:
         RecordingError: There is no such file, it is not a recording, or its header is damaged.
     """
 
-    def __init__(self, path: Path, publish: Callable[[Edition], None]) -> None:
-        self.problem = ""
+    def __init__(
+        self,
+        path: Path,
+        publish: Callable[[Edition], None],
+        failed: Callable[[Exception], None],
+    ) -> None:
         self._growing = GrowingRecording(path)
-        self._publish = publish
+        self._publish, self._failed = publish, failed
         self._closing = threading.Event()
         self._next = 0
         self._poses = Poses(true=True)
@@ -93,8 +96,8 @@ class LiveReport:
     def _work(self) -> None:
         try:
             self._follow()
-        except PirateError as error:
-            self.problem = str(error)
+        except Exception as error:  # viewers wait for an edition, or for this
+            self._failed(error)
 
     def _follow(self) -> None:
         header = self._growing.so_far().header
@@ -102,11 +105,20 @@ class LiveReport:
             run = RunContents(
                 loaded, about_run(header, loaded), estimates=header.backend not in SIMULATORS
             )
-            while not self._growing.so_far().content.pieces and self._may_wait():
+            while not self._growing.so_far().content.pieces:
+                if not (self._may_wait() if self._growing.under_way else self._more(run, loaded)):
+                    return
                 self._growing.grow()
             recording = self._growing.so_far(lambda: self._more(run, loaded))
-            for again in rerun(recording, loaded, every_signal=True):
-                run.take(again)
+            try:
+                for again in rerun(recording, loaded, every_signal=True):
+                    if self._closing.is_set():
+                        return
+                    run.take(again)
+            except Exception as error:
+                if not self._next:
+                    raise
+                self._publish(self._last_edition(run, loaded, error))
 
     def _may_wait(self) -> bool:
         """Wait until the file is to be looked at again; return whether it is."""
@@ -143,8 +155,19 @@ class LiveReport:
             self._words = len(words)
             found = photos_of(recording, report.lanes)
             self._photos.update((photo.at_s, photo) for photo in found)
-        gaps = tuple((gap.from_s, gap.until_s) for gap in recording.gaps)
+        return self._numbered(report)
+
+    def _last_edition(self, run: RunContents, loaded: LoadedMission, error: Exception) -> Edition:
+        """Return what was read before an error, without reading more, with a warning."""
+        known = isinstance(error, PirateError)
+        why = str(error) if known else f"an internal error, {type(error).__name__}: {error}"
+        notice = f"the page ends here, with what could be read: {why}"
+        run.about = about_run(self._growing.so_far().header, loaded, [notice])
+        seen = self._poses if self._poses.times_s else None
+        return self._numbered(run.report(seen, under_way=False))
+
+    def _numbered(self, report: Report) -> Edition:
+        gaps = tuple((gap.from_s, gap.until_s) for gap in self._growing.so_far().gaps)
         photos = tuple(self._photos[at_s] for at_s in sorted(self._photos))
-        report = replace(report, photos=photos, gaps=gaps)
         version, self._next = self._next, self._next + 1
-        return edition_of(report, version)
+        return edition_of(replace(report, photos=photos, gaps=gaps), version)

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import asyncio
 import json
+import secrets
 from collections.abc import Awaitable, Callable
 from errno import EADDRINUSE
 from functools import cached_property
 from pathlib import Path
 from socket import create_server
-from typing import Final
+from typing import Any, Final
 
 from tornado.httpserver import HTTPServer
 from tornado.web import Application, HTTPError, RequestHandler
@@ -44,6 +45,9 @@ _ASKS_MOST = 1 << 16
 class Editions:
     """The newest edition of the page of a run, for viewers that wait for the next one.
 
+    Pages know an edition by a name that no other server gives: a page that stays open while
+    another run is served at its address must not take the changes of that one.
+
     Attributes:
         newest: The newest edition; None before the first.
         viewers: Number of pages that are open.
@@ -52,6 +56,7 @@ class Editions:
     def __init__(self) -> None:
         self.newest: Edition | None = None
         self.viewers = 0
+        self._own = secrets.token_hex(8)
         self._next = asyncio.get_running_loop().create_future()
         self._encoded: dict[int, str] = {}
         self._handed_out: dict[int, Edition] = {}
@@ -64,9 +69,13 @@ class Editions:
             del self._handed_out[min(self._handed_out)]
         return edition
 
-    def handed_out(self, version: str) -> Edition | None:
-        """Return the edition that a page has; None if it is not kept."""
-        return next((each for n, each in self._handed_out.items() if str(n) == version), None)
+    def name(self, edition: Edition) -> str:
+        """Return the name by which pages know an edition."""
+        return f"{self._own}.{edition.version}"
+
+    def handed_out(self, name: str) -> Edition | None:
+        """Return the edition of this name that a page has; None if it is not kept."""
+        return next((each for each in self._handed_out.values() if self.name(each) == name), None)
 
     def take(self, edition: Edition) -> None:
         """Make this the newest edition."""
@@ -87,7 +96,7 @@ class Editions:
                 name: text for name, text in newest.parts.items() if text != before.parts[name]
             }
             message = {
-                "version": newest.version,
+                "version": self.name(newest),
                 "parts": parts,
                 "changes": [*changes({"data": before.data}, {"data": newest.data})],
             }
@@ -125,7 +134,7 @@ class _Page(_OnLoopback):
     async def get(self) -> None:
         """Answer with the page."""
         edition = await self.editions.hand_out()
-        self.finish(html(edition.report, edition.version))
+        self.finish(html(edition.report, self.editions.name(edition)))
 
 
 class _Changes(_OnLoopback, WebSocketHandler):
@@ -206,6 +215,10 @@ class PageServer:
         """Return the address for a browser."""
         return f"http://{HOST}:{self.port}/"
 
+    def close(self) -> None:
+        """Listen no longer."""
+        self._server.stop()
+
 
 async def serve(
     shown: Path | Report,
@@ -222,22 +235,48 @@ async def serve(
         until: Returns when the server is to end, unless it is cancelled before.
 
     Raises:
-        RecordingError: The recording cannot be read.
+        RecordingError: The recording cannot be read; also if that is found after the address
+            was said, but before there is a page.
         UsageError: The port is in use.
     """
     server, loop = PageServer(port), asyncio.get_running_loop()
+    failure: asyncio.Future[None] = loop.create_future()
 
     def take(edition: Edition) -> None:  # in the thread of the report
         loop.call_soon_threadsafe(server.editions.take, edition)
 
-    report = None if isinstance(shown, Report) else LiveReport(shown, take)
-    if isinstance(shown, Report):
-        server.editions.take(edition_of(shown))
-    elif report is not None:
-        report.start()
+    def fail(error: Exception) -> None:
+        if not failure.done():
+            failure.set_exception(error)
+
+    def failed(error: Exception) -> None:  # in the thread of the report
+        loop.call_soon_threadsafe(fail, error)
+
+    report: LiveReport | None = None
     try:
+        if isinstance(shown, Report):
+            server.editions.take(edition_of(shown))
+        else:
+            report = LiveReport(shown, take, failed)
+            report.start()
         said(server.address)
-        await until(server.editions)
+        await _first(asyncio.ensure_future(until(server.editions)), failure)
     finally:
+        server.close()
         if report is not None:
             await asyncio.to_thread(report.close)
+
+
+async def _first(*awaited: asyncio.Future[Any]) -> None:
+    """Wait until one of these is done, and cancel the others.
+
+    Raises:
+        Exception: The one that is done has raised it.
+    """
+    try:
+        done, _ = await asyncio.wait(awaited, return_when=asyncio.FIRST_COMPLETED)
+        for each in done:
+            each.result()
+    finally:
+        for each in awaited:
+            each.cancel()

@@ -321,12 +321,12 @@ def _is_in_space(report: Report) -> bool:
     return report.scene is not None and report.scene.space is not None
 
 
-def html(report: Report, version: int | None = None) -> str:
+def html(report: Report, version: str | None = None) -> str:
     """Return the page as HTML.
 
     Args:
         report: The report.
-        version: Number of the report among those of a run that is under way, for a page that asks
+        version: Name of the report among those of a run that is under way, for a page that asks
             its server for what has changed since; None: it needs no server.
     """
     served, data = version is not None, report_json(report)

@@ -16,6 +16,7 @@ from pirate_sm.views.report import live_report
 from pirate_sm.views.report.changes import changes
 from pirate_sm.views.report.contents import Report
 from pirate_sm.views.report.live_report import Edition, LiveReport
+from pirate_sm.views.report.recording_report import RunContents
 from pirate_sm.views.report.report_page import fragments, report_json
 from tests.representative import thorough_but
 
@@ -29,6 +30,7 @@ def followed(path: Path, source: Path, *, steps: int = 6) -> list[Edition]:
     lengths = [*marks[:: max(1, len(marks) // steps)], len(whole)]
     path.write_bytes(whole[: lengths.pop(0)])
     found: list[Edition] = []
+    problems: list[Exception] = []
     ended = threading.Event()
 
     def publish(edition: Edition) -> None:
@@ -38,10 +40,11 @@ def followed(path: Path, source: Path, *, steps: int = 6) -> list[Edition]:
         elif edition.report.outcome != "running":
             ended.set()
 
-    live = LiveReport(path, publish)
+    live = LiveReport(path, publish, lambda error: (problems.append(error), ended.set()))
     live.start()
-    assert ended.wait(60.0), live.problem
+    assert ended.wait(60.0)
     live.close()
+    assert not problems
     return found
 
 
@@ -84,13 +87,115 @@ def test_a_run_that_was_killed_is_told_as_unfinished(
     monkeypatch.setattr(growing, "QUIET_S", -1.0)
     whole = recording("dead").read_bytes()
     (tmp_path / "run.mcap").write_bytes(whole[: len(whole) // 2])
-    found: list[Edition] = []
-    published = threading.Event()
-    live = LiveReport(tmp_path / "run.mcap", lambda each: (found.append(each), published.set()))
+    found = first_told(tmp_path / "run.mcap")
 
+    assert isinstance(found, Edition)
+    assert found.report.outcome == "unfinished"
+    assert "the recording ends early" in found.parts["words"].lower()
+
+
+def first_told(path: Path) -> Edition | Exception:
+    """What is first told of a recording: an edition, or why there is none."""
+    told: list[Edition | Exception] = []
+    heard = threading.Event()
+
+    def hear(it: Edition | Exception) -> None:
+        told.append(it)
+        heard.set()
+
+    live = LiveReport(path, hear, hear)
     live.start()
-    assert published.wait(60.0)
+    assert heard.wait(60.0)
+    live.close()
+    return told[0]
+
+
+def test_a_run_that_was_killed_as_it_began_has_a_page_too(
+    recording: Callable[[str], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(growing, "QUIET_S", -1.0)
+    source = recording("patrol")
+    header_ends = read_recording(source).content.pieces[0].at
+    (tmp_path / "run.mcap").write_bytes(source.read_bytes()[:header_ends])
+
+    found = first_told(tmp_path / "run.mcap")
+
+    assert isinstance(found, Edition)
+    assert found.report.outcome == "unfinished"
+    assert "Of the run itself nothing is in the recording" in found.parts["words"]
+
+
+def damaged(source: Path, path: Path, place: int) -> list[bytes]:
+    """Write a recording with one wrong byte in this piece; return it up to there, and whole."""
+    pieces = read_recording(source).content.pieces
+    whole = bytearray(source.read_bytes())
+    whole[pieces[place].at + pieces[place].size // 2] ^= 0xFF
+    path.write_bytes(whole)
+    return [bytes(whole[: pieces[place - 1].at + pieces[place - 1].size]), bytes(whole)]
+
+
+def test_of_a_damaged_recording_it_is_told_why_there_is_no_page(
+    recording: Callable[[str], Path], tmp_path: Path
+) -> None:
+    path = tmp_path / "run.mcap"
+    damaged(recording("patrol"), path, 3)
+
+    assert "is damaged" in str(first_told(path))
+
+
+@pytest.mark.parametrize("is_bug", [False, True])
+def test_damage_in_mid_run_ends_the_page_with_what_was_read_before(
+    recording: Callable[[str], Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    is_bug: bool,
+) -> None:
+    path = tmp_path / "run.mcap"
+    before, whole = damaged(recording("patrol"), path, 3)
+    path.write_bytes(before)
+    found: list[Edition] = []
+    over = threading.Event()
+
+    def publish(edition: Edition) -> None:
+        found.append(edition)
+        if is_bug:
+            monkeypatch.setattr(RunContents, "take", lambda *_: {}["no such key"])
+        path.write_bytes(recording("patrol").read_bytes() if is_bug else whole)
+        if edition.report.outcome != "running":
+            over.set()
+
+    live = LiveReport(path, publish, lambda _: over.set())
+    live.start()
+    assert over.wait(60.0)
     live.close()
 
-    assert found[0].report.outcome == "unfinished"
-    assert "the recording ends early" in found[0].parts["words"].lower()
+    last = found[-1]
+    assert (found[0].data["running"], last.data["running"]) == (True, False)
+    assert last.version == len(found) - 1
+    assert last.report.duration_s == found[0].report.duration_s
+    warning = last.report.warnings[0]
+    assert warning.startswith("The page ends here, with what could be read: ")
+    assert ("an internal error, KeyError" if is_bug else "is damaged") in warning
+
+
+def test_closing_does_not_wait_for_the_rest_of_the_recording(
+    recording: Callable[[str], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taken: list[object] = []
+    began = threading.Event()
+
+    def take(_: RunContents, again: object) -> None:
+        taken.append(again)
+        began.set()
+        assert live._closing.wait(60.0)
+
+    monkeypatch.setattr(RunContents, "take", take)
+    found: list[object] = []
+    live = LiveReport(recording("patrol"), found.append, found.append)
+    live.start()
+    assert began.wait(60.0)
+
+    live.close()
+
+    assert len(taken) == 1
+    assert found == []

@@ -13,7 +13,7 @@ import pytest
 from tornado.httpclient import AsyncHTTPClient, HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
-from pirate_sm.core.errors import UsageError
+from pirate_sm.core.errors import RecordingError, UsageError
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.views.report.live_report import Edition
 from pirate_sm.views.report.page_server import HOST, PageServer, serve
@@ -38,7 +38,11 @@ def run(work: Callable[[PageServer], Awaitable[None]]) -> None:
     """Do this with a server on a free port."""
 
     async def worked() -> None:
-        await work(PageServer(0))
+        server = PageServer(0)
+        try:
+            await work(server)
+        finally:
+            server.close()
 
     asyncio.run(worked())
 
@@ -80,8 +84,10 @@ def test_no_other_page_may_read_it_show_it_or_listen(first: Edition) -> None:
     run(work)
 
 
-async def listened(server: PageServer, origin: str = "", since: int = 0) -> Any:
-    """A connection that listens to changes."""
+async def listened(server: PageServer, origin: str = "", since: str | None = None) -> Any:
+    """A connection that listens to changes since an edition, else since the newest."""
+    newest = server.editions.newest
+    since = since if since is not None or newest is None else server.editions.name(newest)
     url = f"ws://{HOST}:{server.port}/changes?since={since}"
     headers = {"Origin": origin or server.address.rstrip("/")}
     return await websocket_connect(HTTPRequest(url, headers=headers), max_message_size=1 << 28)
@@ -91,13 +97,14 @@ def test_a_page_gets_what_has_changed_since_it_was_made(first: Edition) -> None:
     async def work(server: PageServer) -> None:
         server.editions.take(first)
         _, page, _ = await answer(server)
-        assert '"version":0' in page
+        name = server.editions.name(first)
+        assert f'"version":"{name}"' in page
         server.editions.take(later(first, 1))
-        viewer = await listened(server)
+        viewer = await listened(server, since=name)
 
         message = json.loads(await viewer.read_message())
 
-        assert message["version"] == 1
+        assert message["version"] == server.editions.name(later(first, 1)) != name
         assert message["changes"] == [[["data", "duration"], 1.0]]
         assert [*message["parts"]] == ["facts"]
         viewer.close()
@@ -108,7 +115,9 @@ def test_a_page_gets_what_has_changed_since_it_was_made(first: Edition) -> None:
 def test_a_page_of_an_edition_that_is_not_known_is_loaded_again(first: Edition) -> None:
     async def work(server: PageServer) -> None:
         server.editions.take(first)
-        for since in ("7", "x", "-1", "", "9" * 5_000):
+        _, page, _ = await answer(server)
+        for since in ("7", "0", "x", "-1", "", "9" * 5_000):
+            assert f'"version":"{since}"' not in page
             viewer = await listened(server, since=since)
             assert await viewer.read_message() == "{}"
             viewer.close()
@@ -125,8 +134,9 @@ def test_a_viewer_that_takes_nothing_holds_up_no_other_and_costs_no_more_memory(
         slow = socket.create_connection((HOST, server.port))  # it asks, and never reads
         slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4_096)
         slow.sendall(
-            f"GET /changes?since=0 HTTP/1.1\r\nHost: {HOST}:{server.port}\r\nUpgrade: websocket\r\n"
-            f"Connection: Upgrade\r\nOrigin: http://{HOST}:{server.port}\r\n"
+            f"GET /changes?since={server.editions.name(first)} HTTP/1.1\r\n"
+            f"Host: {HOST}:{server.port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            f"Origin: http://{HOST}:{server.port}\r\n"
             "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
             "Sec-WebSocket-Version: 13\r\n\r\n".encode()
         )
@@ -142,11 +152,29 @@ def test_a_viewer_that_takes_nothing_holds_up_no_other_and_costs_no_more_memory(
         monkeypatch.setattr(server.editions, "changed", counted)
         for version in range(1, 13):
             server.editions.take(later(first, version))
-            assert json.loads(await quick.read_message())["version"] == version
+            assert json.loads(await quick.read_message())["changes"][-1][-1] == version
 
         assert sum(made) < 20  # the slow one got what fits into its connection, and no more
         slow.close()
         quick.close()
+
+    run(work)
+
+
+def test_a_page_of_another_run_at_this_address_is_loaded_again(first: Edition) -> None:
+    async def work(server: PageServer) -> None:
+        server.editions.take(first)
+        await answer(server)
+        other = PageServer(0)
+        try:
+            other.editions.take(first)
+            await answer(other)
+            server.editions.take(later(first, 1))
+            viewer = await listened(server, since=other.editions.name(first))
+            assert await viewer.read_message() == "{}"
+            viewer.close()
+        finally:
+            other.close()
 
     run(work)
 
@@ -165,9 +193,27 @@ def test_the_server_is_there_before_the_first_report(
     said: list[str] = []
 
     async def until(editions: Any) -> None:
-        found = await AsyncHTTPClient(force_instance=True).fetch(said[0])
+        request = HTTPRequest(said[0], request_timeout=60.0)  # a busy computer takes its time
+        found = await AsyncHTTPClient(force_instance=True).fetch(request)
         assert "</html>" in found.body.decode()
 
-    asyncio.run(serve(recording("patrol"), 0, said.append, until))
+    async def work() -> None:
+        await serve(recording("patrol"), 0, said.append, until)
+        with pytest.raises(ConnectionRefusedError):  # it has closed its port
+            await asyncio.open_connection(HOST, int(said[0].rstrip("/").rpartition(":")[2]))
+
+    asyncio.run(work())
 
     assert said[0].startswith(f"http://{HOST}:")
+
+
+def test_who_waits_for_the_page_of_a_damaged_recording_is_not_left_waiting(
+    recording: Callable[[str], Path], tmp_path: Path
+) -> None:
+    source, path = recording("patrol"), tmp_path / "run.mcap"
+    damaged, piece = bytearray(source.read_bytes()), read_recording(source).content.pieces[3]
+    damaged[piece.at + piece.size // 2] ^= 0xFF
+    path.write_bytes(damaged)
+
+    with pytest.raises(RecordingError, match="is damaged"):
+        asyncio.run(serve(path, 0, lambda _: None, lambda _: asyncio.Event().wait()))
