@@ -8,7 +8,7 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.spelling import unknown
 from pirate_sm.lab.campaign.campaign_model import TrueEnd
-from pirate_sm.lab.campaign.margin_factors import bound_of, factors_around
+from pirate_sm.lab.campaign.margin_factors import check_bound, factors_around
 from pirate_sm.lab.campaign.margins_model import MarginFactor, Margins
 from pirate_sm.lab.campaign.named_parts import Choices
 from pirate_sm.running.wiring import Order
@@ -62,7 +62,7 @@ def factors_or_problems(
             raise UsageError(wrong)
         for name, bounds in wanted.expects.items():
             for bound in bounds:
-                bound_of(found[name], bound.text)
+                check_bound(found[name], bound)
     except (LoadError, UsageError) as error:
         problems.add("campaign.margins", ("margins",), str(error))
         return ()

@@ -61,7 +61,9 @@ def look(
     halvings: int,
     also: Sequence[float] = (),
 ) -> Side:
-    """Return what is known of one side of a factor, whose nominal value holds.
+    """Return what is known of one side of a factor, round a cell that holds.
+
+    The nominal value of a defect that is added is tried like the others.
 
     Args:
         factor: The factor.
@@ -74,9 +76,10 @@ def look(
     nominal = factor.nominal
     if end == nominal:
         return Side((), (), nominal, None, ())
-    scan = {nominal + (end - nominal) * n / levels for n in range(1, levels + 1)} | {*also}
+    first = 0 if factor.added else 1
+    scan = {nominal + (end - nominal) * n / levels for n in range(first, levels + 1)} | {*also}
     outward = sorted({factor.rounded(each) for each in scan}, key=lambda x: abs(x - nominal))
-    tried = {each: verdict_at(each) for each in outward if each != nominal}
+    tried = {each: verdict_at(each) for each in outward if factor.added or each != nominal}
     wanted = [each for each, verdict in tried.items() if verdict is None]
     edge, beyond = _edge(nominal, tried)
     for _ in range(halvings if beyond is not None else 0):

@@ -20,10 +20,10 @@ from pirate_sm.core.units import (
     read_quantity,
     unit_of,
 )
-from pirate_sm.lab.campaign.margins_model import READ_IN, MarginFactor, Margins
+from pirate_sm.lab.campaign.margins_model import READ_IN, MarginBound, MarginFactor, Margins
 from pirate_sm.lab.campaign.plan import Cell
 from pirate_sm.running.wiring import Order
-from pirate_sm.simulation.changed_pipe import PIPE_NUMBERS, numbers_of
+from pirate_sm.simulation.changed_pipe import PIPE_NUMBERS, changed_pipe, numbers_of
 from pirate_sm.simulation.defects import named
 
 _EACH = "each:"
@@ -44,15 +44,21 @@ _USUAL_WAYS: Mapping[str, float] = {"tilt": 0.7854, "roll": 0.7854, "start": 0.2
 _USUAL_FROM_ZERO: Mapping[str, float] = {"tyre.rolling_resistance": 0.04}
 """The end of the range of a factor that gives none and is zero in the files [decided]."""
 
+_NOTHING = ("share", "by")
+"""Numbers of defects with which, at zero, a run is the same as without the defect."""
+
 _USUAL_KINDS = ("lost_messages",)
 """Kinds of defects with a number that is varied if no factors are named."""
 
 
 def changed(order: Order, values: Mapping[MarginFactor, float]) -> Order:
-    """Return the order with factors at these values; at their nominal ones it is the same."""
+    """Return the order with factors at these values.
+
+    At their nominal ones it is the same, but for defects that are added.
+    """
     numbers, defects = dict(order.numbers), dict[str, list[str]]()
     for factor, value in values.items():
-        if factor.rounded(value) == factor.rounded(factor.nominal):
+        if not factor.added and factor.rounded(value) == factor.rounded(factor.nominal):
             continue
         text = factor.written(value).replace(" ", "")
         defect, colon, key = factor.name.partition(":")
@@ -65,7 +71,7 @@ def changed(order: Order, values: Mapping[MarginFactor, float]) -> Order:
 
 
 def level_of(cell: Cell, values: Mapping[MarginFactor, float]) -> Cell:
-    """Return the cell with factors at these values; at their nominal ones it is the cell itself."""
+    """Return the cell with factors at these values; see :func:`changed`."""
     order = changed(cell.order, values)
     if order == cell.order:
         return cell
@@ -105,10 +111,24 @@ def factors_around(
     plain = [name for name in asked if ":" not in name]
     if wrong := unknown("there is no factor", plain, nominal):
         raise UsageError(wrong)
-    return tuple(
+    found = [
         _of_defect(name, ends, profile) if ":" in name else _of_number(name, ends, nominal[name])
         for name, ends in asked.items()
-    )
+    ]
+    for factor in found:
+        _check_ends(factor, loaded, profile)
+    return tuple(found)
+
+
+def _check_ends(factor: MarginFactor, loaded: LoadedMission, profile: Profile) -> None:
+    """Check that the pipe or the robot can have both ends of a range, as a run would."""
+    assert loaded.pipe is not None
+    for end in (factor.low, factor.high) if ":" not in factor.name else ():
+        name = f"{OF_PIPE}{factor.name}" if factor.name in PIPE_NUMBERS else factor.name
+        numbers = {name: factor.written(end).replace(" ", "")}
+        simulated_profile(profile, None, 0, numbers)
+        if name != factor.name:
+            changed_pipe(loaded.pipe, profile, numbers, {})
 
 
 def _usual(nominal: Mapping[str, tuple[float, str]], profile: Profile) -> Iterator[str]:
@@ -157,7 +177,8 @@ def _of_number(name: str, ends: tuple[str, str] | None, nominal: tuple[float, st
         low, high = (_read(name, each, dimension) for each in ends)
     elif name in _USUAL_WAYS:
         low, high = value - _USUAL_WAYS[name], value + _USUAL_WAYS[name]
-        low = max(low, 0.0) if name == "start" else low
+        _, least, most = PIPE_NUMBERS[name]
+        low, high = max(low, least), min(high, most)
     else:
         least, most = _USUAL_RANGES[name.partition(".")[0]]
         low, high = least * value, most * value or _USUAL_FROM_ZERO.get(name, 0.0)
@@ -167,7 +188,7 @@ def _of_number(name: str, ends: tuple[str, str] | None, nominal: tuple[float, st
 
 
 def _of_defect(name: str, ends: tuple[str, str] | None, profile: Profile) -> MarginFactor:
-    """Return the factor of a number of a defect, which is not there at the nominal value."""
+    """Return the factor of a number of a defect, which the files do not have."""
     defect, _, key = name.partition(":")
     defects = profile.simulation.defects
     if wrong := unknown("there is no defect", [defect], defects):
@@ -185,7 +206,9 @@ def _of_defect(name: str, ends: tuple[str, str] | None, profile: Profile) -> Mar
     # A defect does least if it begins late and comes rarely, else if its number is small.
     nominal = last.value if key in ("after", "every") else first.value
     unit = unit_of(last.dimension)
-    return _checked(MarginFactor(name, READ_IN.get(unit, unit), first.value, last.value, nominal))
+    ends_at = first.value, last.value, nominal
+    added = bool(nominal) or key not in _NOTHING
+    return _checked(MarginFactor(name, READ_IN.get(unit, unit), *ends_at, added))
 
 
 def _read(name: str, text: str, dimension: Dimension) -> float:
@@ -218,3 +241,19 @@ def bound_of(factor: MarginFactor, text: str) -> float:
             return value.value
     low, high = factor.written(factor.low), factor.written(factor.high)
     raise UsageError(f"{factor.name}: expected a bound from {low} to {high}, got '{text}'")
+
+
+def check_bound(factor: MarginFactor, bound: MarginBound) -> None:
+    """Check that runs can miss a bound.
+
+    Raises:
+        UsageError: It is not a value of this factor, beyond its range, or on the wrong side.
+    """
+    at, nominal = factor.rounded(bound_of(factor, bound.text)), factor.rounded(factor.nominal)
+    if at > nominal if bound.side == ">=" else at < nominal:
+        other = "<=" if bound.side == ">=" else ">="
+        raise UsageError(
+            f"{factor.name}: '{bound.side} {bound.text}' says nothing, as the margin begins at "
+            f"{factor.written(nominal)}: write '{other} {bound.text}', that it must hold as far "
+            "as that"
+        )

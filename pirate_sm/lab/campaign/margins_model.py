@@ -34,6 +34,8 @@ class MarginFactor:
         low: The least value, in SI units; likewise ``high``.
         nominal: The value of the cell itself: of a defect that is not there, the end of the range
             at which it does least.
+        added: Whether the cell lacks the defect, and has it with the nominal value, too: that is
+            a change to be run.
     """
 
     name: str
@@ -41,6 +43,7 @@ class MarginFactor:
     low: float
     high: float
     nominal: float
+    added: bool = False
 
     def rounded(self, value: float) -> float:
         """Return a value as it is written in an order."""

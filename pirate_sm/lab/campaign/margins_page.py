@@ -6,14 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 
 from pirate_sm.lab.campaign.margins import FactorMargin, PairMap, TriedValue
-from pirate_sm.lab.campaign.sequential import DOUBTFUL, FAILS, HOLDS
+from pirate_sm.lab.campaign.sequential import DOUBTFUL, FAILS, HOLDS, REFUSED
 
 MARGINS_STYLE = """<style>
 .margins { width: 100%; max-width: 860px; height: auto; display: block; }
 .margins text { font: 12px system-ui, sans-serif; fill: var(--ink); }
 .margins .soft { fill: var(--soft); font-size: 11px; }
 .margins .holds { fill: var(--good); } .margins .doubtful { fill: var(--late); }
-.margins .fails { fill: var(--bad); } .margins .open { fill: var(--faint); }
+.margins .fails { fill: var(--bad); } .margins :is(.open, .refused) { fill: var(--faint); }
 .margins .zone { opacity: 0.3; }
 .margins path { fill: none; stroke: var(--ink); stroke-width: 1.5; }
 .heat td.holds { background: var(--good-box); } .heat td.fails { background: var(--bad-box); }
@@ -22,12 +22,19 @@ MARGINS_STYLE = """<style>
 
 _WIDTH, _LEFT, _RIGHT, _ROW = 860.0, 250.0, 810.0, 44.0
 _BAR = 12.0
-_SIGNS: Mapping[str, str] = {HOLDS: "holds", DOUBTFUL: "?", FAILS: "fails", "open": "open"}
+_SIGNS: Mapping[str, str] = {
+    HOLDS: "holds",
+    DOUBTFUL: "?",
+    FAILS: "fails",
+    REFUSED: "cannot be run",
+    "open": "open",
+}
 
 HOW_TO_READ = (
     "Green (●): it holds; amber (○): doubtful, so few or so many runs pass that more would be"
-    " needed; red (×): it fails. The upright line is the value of the files, each mark a value that"
-    " was tried: point at it for its runs. Between neighbouring marks nothing was tried."
+    " needed; red (×): it fails; grey: it cannot be run. The upright line is the value of the files"
+    " or, of a defect, the one with which it does least; each mark is a value that was tried: point"
+    " at it for its runs. Between neighbouring marks nothing was tried."
 )
 
 
@@ -82,15 +89,19 @@ def _zones(factor: FactorMargin) -> Iterator[tuple[str, float, float]]:
     """Yield where it holds, where that is in doubt, and where it fails."""
     low, high = factor.low, factor.high
     if factor.holds_from is None or factor.holds_to is None:
-        yield FAILS, low, high
-        return
-    red_below = low if factor.fails_below is None else factor.fails_below
-    red_above = high if factor.fails_above is None else factor.fails_above
-    yield FAILS, low, red_below
+        return  # what the marks say is all that is known
+    grey_below = low if factor.refused_below is None else factor.refused_below
+    grey_above = high if factor.refused_above is None else factor.refused_above
+    fails_below, fails_above = factor.fails_below, factor.fails_above
+    red_below = grey_below if fails_below is None else max(fails_below, grey_below)
+    red_above = grey_above if fails_above is None else min(fails_above, grey_above)
+    yield REFUSED, low, grey_below
+    yield FAILS, grey_below, red_below
     yield DOUBTFUL, red_below, factor.holds_from
     yield HOLDS, factor.holds_from, factor.holds_to
     yield DOUBTFUL, factor.holds_to, red_above
-    yield FAILS, red_above, high
+    yield FAILS, red_above, grey_above
+    yield REFUSED, grey_above, high
 
 
 def _mark(level: TriedValue, x: float, y: float) -> str:
@@ -106,6 +117,8 @@ def _mark(level: TriedValue, x: float, y: float) -> str:
 def _counts(level: TriedValue) -> str:
     if not level.runs:
         return "no runs"
+    if level.verdict == REFUSED:
+        return "cannot be run"
     return f"{level.passed} of {level.runs} passed, {level.least:.0%} to {level.most:.0%}"
 
 

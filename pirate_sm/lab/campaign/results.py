@@ -33,7 +33,7 @@ class CauseResult:
     """Why runs did not pass, or were not safe.
 
     Attributes:
-        verdict: ``failed``, ``false``, ``bug`` or ``unsafe``.
+        verdict: ``failed``, ``false``, ``bug``, ``unsafe`` or, with margins, ``refused``.
         why: The reason, as the first of these runs gives it.
         varies: Whether the numbers in the reason are others in other runs.
         count: How many runs.
@@ -99,7 +99,8 @@ class CellResult:
         values: What its runs have in common, by name.
         runs: How many runs count.
         of: How many seeds it has.
-        passed: How many passed; likewise ``held``, ``false``, ``unsafe`` and ``bugs``.
+        passed: How many passed; likewise ``held``, ``false``, ``unsafe`` and ``bugs``, of
+            which those at other values of its factors are some, too.
         without_result: How many seeds have no result though they are needed, as the campaign was
             interrupted or results are damaged; ``first_without`` is the first of them. The runs of
             the seeds after that do not count.
@@ -262,7 +263,7 @@ def _cell(tally: Tally, recordings: Path, margins: CellMargins | None) -> CellRe
         tally.held,
         tally.false,
         tally.unsafe,
-        tally.bugs,
+        tally.bugs + (margins.bugs if margins else 0),
         tally.without_result,
         cell.seeds[tally.runs] if tally.without_result else None,
         least,

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import sqrt
+from math import ceil, log, sqrt
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -19,10 +19,12 @@ from numpy.typing import NDArray
 
 from pirate_sm.lab.campaign.intervals import Interval
 
-Verdict: TypeAlias = Literal["holds", "fails", "doubtful"]
+Verdict: TypeAlias = Literal["holds", "fails", "doubtful", "refused"]
 HOLDS: Verdict = "holds"
 FAILS: Verdict = "fails"
 DOUBTFUL: Verdict = "doubtful"
+REFUSED: Verdict = "refused"
+"""A run could not begin, so nothing is known of the share; a test itself never says this."""
 
 MOST_RUNS = 1000
 """Of a level at most; the number of ways to more would not be a floating-point number."""
@@ -58,6 +60,15 @@ class SequentialTest:
     share: float
     error: float
     most: int
+
+    @property
+    def least(self) -> int:
+        """How many runs ``most`` must be, so that the test can say both that it holds and fails.
+
+        After the last run all of ``error`` is spent; all runs that passed, or none, are the
+        clearest that there can be.
+        """
+        return ceil(log(self.error) / log(max(self.share, 1.0 - self.share)))
 
     def verdict(self, passed: int, runs: int) -> Verdict | None:
         """Return what is known after some runs; None if the next run is needed."""

@@ -19,7 +19,7 @@ from pirate_sm.lab.campaign.intervals import Interval, fisher_exact, mcnemar_exa
 from pirate_sm.lab.campaign.plan import Cell
 from pirate_sm.lab.campaign.sensitivity import RunOutcome
 from pirate_sm.lab.campaign.sensitivity_model import Factor
-from pirate_sm.lab.campaign.sequential import SequentialTest, Verdict
+from pirate_sm.lab.campaign.sequential import REFUSED, SequentialTest, Verdict
 
 _MOST_SEEDS, _MOST_SEEDS_SHOWN = 100, 10
 """The most seeds of a cause that are kept, and of a difference that are shown."""
@@ -92,6 +92,7 @@ class Tally:
         test: Ends it too; None: only those.
         runs: How many runs count.
         passed: How many of them passed; likewise ``held``, ``false``, ``unsafe`` and ``bugs``.
+        refused: How many could not begin.
         passes: For each run in the order of the seeds whether it passed, 1 or 0.
         times_s: Mission time of each run that passed; ``others_s`` of each other one.
         factors: How success goes with what runs have drawn.
@@ -114,6 +115,7 @@ class Tally:
     false: int = 0
     unsafe: int = 0
     bugs: int = 0
+    refused: int = 0
     deepest_m: float = -1.0
     farthest_short_m: float | None = None
     passes: bytearray = field(default_factory=bytearray)
@@ -138,14 +140,19 @@ class Tally:
     @property
     def interval(self) -> Interval:
         """The interval of its success; once a test has ended it, that of the test."""
-        if self.test is not None and self.verdict is not None:
+        if self.test is not None and self.verdict not in (None, REFUSED):
             return self.test.interval(self.passed, self.runs, self.confidence)
         return wilson(self.passed, self.runs, self.confidence)
 
     @property
     def verdict(self) -> Verdict | None:
-        """What its test says; None: there is none, or it has not ended."""
-        return None if self.test is None else self.test.verdict(self.passed, self.runs)
+        """What its test says; None: there is none, or it has not ended.
+
+        A run that cannot begin ends it: that says nothing about the mission.
+        """
+        if self.test is None:
+            return None
+        return REFUSED if self.refused else self.test.verdict(self.passed, self.runs)
 
     @property
     def violated(self) -> bool:
@@ -210,6 +217,7 @@ class Tally:
         self.held += row.held
         self.false += row.verdict == "false"
         self.bugs += row.verdict == "bug"
+        self.refused += row.outcome == "refused"
         self.unsafe += bool(row.unsafe)
         self.deepest_m = max(self.deepest_m, row.deepest_m)
         for each in self.factors:
@@ -231,7 +239,8 @@ class Tally:
                 )
         else:
             self.others_s.append(row.time_s)
-            _note(self.causes, row.verdict, row.why, row)
+            tested = self.test is not None and row.outcome == "refused"
+            _note(self.causes, REFUSED if tested else row.verdict, row.why, row)
         if row.unsafe:
             _note(self.unsafe_causes, "unsafe", row.unsafe, row)
 

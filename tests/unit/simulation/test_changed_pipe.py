@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import radians
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -96,3 +97,31 @@ def test_a_run_is_simulated_with_them_and_its_mission_does_not_know(bend: Loaded
 
     assert moved_m == pytest.approx(0.1, abs=0.005)
     assert other.engine.program.diameter_m == usual.engine.program.diameter_m
+
+
+TWIN = "format: 1\nrobot: pirate_ii\nfriction: {static: 0.9, kinetic: 0.6}\n"
+
+
+@pytest.mark.parametrize("backend", ["sim", "bay"])
+@pytest.mark.parametrize("of_robot", ["twin", "number", ""])
+def test_friction_is_as_given_though_the_robot_has_another_than_its_file(
+    bend: LoadedMission,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    backend: str,
+    of_robot: str,
+) -> None:
+    found = []
+
+    def spied(*args: Any, **more: Any) -> Any:
+        found.append(surroundings_of(*args, **more).friction.kinetic)
+        return surroundings_of(*args, **more)
+
+    monkeypatch.setattr(simulated_robot, "surroundings_of", spied)
+    (tmp_path / "twin.yaml").write_text(TWIN, "utf-8")
+    twin = str(tmp_path / "twin.yaml") if of_robot == "twin" else None
+    numbers = {"pipe.friction": "0.3"}
+    numbers |= {"friction.kinetic": "0.2"} if of_robot == "number" else {}
+    prepare(Order("mitre_bend", backend=backend, numbers=numbers, twin=twin), bend)
+
+    assert found == [pytest.approx(0.3)]

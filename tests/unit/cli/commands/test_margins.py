@@ -42,6 +42,18 @@ margins:
         (["--pair", "friction,speed"], "there is no factor 'speed'"),
         (["--expect", "friction=0.3"], "expected a bound such as 'friction>=0.35'"),
         (["--expect", "friction>=7"], "expected a bound from 0.05 to 1, got '7'"),
+        (["--expect", "friction>=0.8"], "'>= 0.8' says nothing, as the margin begins at 0.5"),
+        (["--expect", "friction<=0.2"], "write '>= 0.2'"),
+        (
+            ["--runs", "30"],
+            "with 30 runs no value can be sure enough to hold, or to fail, at a "
+            "share of 90 %, which takes 42: give at least 42",
+        ),
+        (["--share", "98 %"], "give at least 217"),
+        (["--share", "99.9 %"], "ask for another share"),
+        (["--factor", "tilt=-100deg..90deg"], "pipe.tilt: expected from -1.5"),
+        (["--factor", "diameter=100mm..200mm"], "expected less than 25% more or less"),
+        (["--factor", "motors.bend.stall_torque=-1Nm..9Nm"], "motors.bend.stall_torque"),
         (["--share", "120 %"], "--share 120 %: expected more than 0 and at most 100 %"),
         (["--confidence", "100 %"], "--confidence 100 %: no number of runs shows that"),
         (["--falsify", "--within", "0"], "--within 0: expected more than 0"),
@@ -75,6 +87,26 @@ def test_a_campaign_file_names_factors_with_ranges_and_all_defects_that_take_a_n
     assert "gamma_1_zero_jumps:after" in around
     assert "messages_lost:after" in around
     assert len(plan.cells[0].seeds) == plan.margins.runs == 200
+
+
+def test_usual_ranges_end_where_a_pipe_cannot_be_otherwise(tmp_path: Path) -> None:
+    file = tmp_path / "trial.yaml"
+    text = FILE.replace("{FACTORS}", "[tilt, roll]").replace("EXPECTS", "")
+    file.write_text(text.replace("drive_on", "climb"), "utf-8")
+    tilt, roll = read_campaign(file, check=False).cells[0].around
+
+    assert (tilt.written(tilt.low), tilt.written(tilt.high)) == ("45 deg", "90 deg")
+    assert roll.written(roll.high) == "45 deg"
+
+
+def test_a_defect_is_run_at_the_end_of_its_range_but_where_that_is_none_of_it(
+    tmp_path: Path,
+) -> None:
+    factors = "{'gamma_2_sticks:after': 0 s..9 s, 'messages_lost:share': usual}"
+    sticks, lost = plan_of(tmp_path, factors).cells[0].around
+
+    assert (sticks.nominal, sticks.added) == (9.0, True)
+    assert (lost.nominal, lost.added) == (0.0, False)
 
 
 def test_the_check_finds_what_a_campaign_would_be_refused_for(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from late import late
 from pirate_sm.lab.campaign.chunk import Chunk, RunRow
 from pirate_sm.lab.campaign.conductor import Conductor, stored
 from pirate_sm.lab.campaign.margins_model import MarginBound, MarginFactor, Margins
+from pirate_sm.lab.campaign.margins_page import margins_markup
 from pirate_sm.lab.campaign.page import page_of
 from pirate_sm.lab.campaign.plan import CampaignPlan, mark_of
 from pirate_sm.lab.campaign.results import CampaignResult, as_text, result_of
@@ -127,8 +128,102 @@ def test_a_cell_that_does_not_hold_itself_has_no_margins(tmp_path: Path) -> None
     crew = Hasty(0, result=lambda chunk, seed: row(chunk.cell, seed, "failed"))
     (only,) = found(around(), tmp_path, crew).cells
 
-    assert [each.words for each in only.margins] == ["does not hold"] * 2
+    assert [each.words for each in only.margins] == ["fails at the value of the files"] * 2
     assert len(crew.given) <= 40
+
+
+def test_a_cell_that_does_not_hold_itself_is_not_as_expected(tmp_path: Path) -> None:
+    crew = Hasty(0, result=lambda chunk, seed: row(chunk.cell, seed, "failed"))
+    result = found(around(), tmp_path, crew)
+
+    assert not result.good
+    assert "success >= 90 % at the values of the files, where it fails" in as_text(result)
+
+
+def test_a_cell_in_doubt_is_said_and_drawn_to_be_that_and_not_to_fail(tmp_path: Path) -> None:
+    def nine_of_ten(chunk: Chunk, seed: int) -> RunRow:
+        return row(chunk.cell, seed, "passed" if seed % 10 else "failed")
+
+    result = found(around(), tmp_path, Hasty(0, result=nine_of_ten))
+    (only,) = result.cells
+    drawing = margins_markup(only.margins, only.maps)
+
+    assert [each.words for each in only.margins] == ["is doubtful at the value of the files"] * 2
+    assert 'class="doubtful"' in drawing
+    assert 'class="zone' not in drawing
+    assert not result.good
+
+
+def test_internal_errors_at_other_values_are_counted_and_shown(tmp_path: Path) -> None:
+    def breaks(chunk: Chunk, seed: int) -> RunRow:
+        bug = seed == 2 and chunk.order.numbers == {"pipe.friction": "0.8"}
+        return row(chunk.cell, seed, "bug" if bug else "passed", "KeyError: gamma")
+
+    result = found(around(Margins(runs=200)), tmp_path, Hasty(0, result=breaks))
+
+    assert result.cells[0].bugs == 1
+    assert not result.good
+    assert "at 0.8: bug: KeyError: gamma" in as_text(result)
+    assert "1 not as expected" in result.summary
+
+
+def refused(key: str, seed: int) -> RunRow:
+    return row(key, seed, "failed", "it is too wide")._replace(outcome="refused")
+
+
+def test_values_that_cannot_be_run_neither_hold_nor_fail(tmp_path: Path) -> None:
+    def too_wide(chunk: Chunk, seed: int) -> RunRow:
+        wide = float(chunk.order.numbers.get("pipe.diameter", "120mm").removesuffix("mm")) > 125.0
+        return refused(chunk.cell, seed) if wide else row(chunk.cell, seed)
+
+    result = found(around(), tmp_path, Hasty(0, result=too_wide))
+    (only,) = result.cells
+    diameter = only.margins[1]
+    lines = as_text(result)
+
+    assert diameter.fails_above is None
+    assert 125 <= diameter.holds_to < diameter.refused_above <= 127.5
+    assert f"cannot be run at {diameter.refused_above:g} mm" in diameter.words
+    assert "all above" not in diameter.words
+    assert f"at {diameter.refused_above:g}: refused: it is too wide" in lines
+    drawing = margins_markup(only.margins, only.maps)
+    assert 'class="zone refused"' in drawing
+    assert result.good
+
+
+def test_a_cell_that_cannot_be_run_is_not_as_expected(tmp_path: Path) -> None:
+    crew = Hasty(0, result=lambda chunk, seed: refused(chunk.cell, seed))
+    result = found(around(), tmp_path, crew)
+
+    assert not result.good
+    assert "where it cannot be run" in as_text(result)
+
+
+STICKS = MarginFactor("gamma_2_sticks:after", "s", 0.0, 30.0, 30.0, added=True)
+
+
+@pytest.mark.parametrize(
+    ("fails", "words"),
+    [
+        ("0", "fails at 30 s, where it does least; MISSED: >= 30 s"),
+        ("2", "holds from 0 to 30 s; all below tried holds"),
+    ],
+)
+def test_the_end_at_which_a_defect_does_least_is_run_with_it(
+    tmp_path: Path, fails: str, words: str
+) -> None:
+    def sticks(chunk: Chunk, seed: int) -> RunRow:
+        bad = fails == "0" and any("sticks" in each for each in chunk.order.defects)
+        return row(chunk.cell, seed, "failed" if bad else "passed", "it sticks")
+
+    margins = Margins(runs=60, expects={STICKS.name: (MarginBound(">=", "30 s"),)})
+    one = replace(cell("bend", range(60)), around=(STICKS,))
+    result = found(replace(plan(one), margins=margins), tmp_path, Hasty(0, result=sticks))
+    (only,) = result.cells[0].margins
+
+    assert only.words == words
+    assert ("at 30: failed: it sticks" in as_text(result)) == (fails == "0")
+    assert result.good == (fails != "0")
 
 
 def test_results_say_how_they_were_changed_and_the_page_draws_them(tmp_path: Path) -> None:

@@ -76,3 +76,19 @@ def test_intervals_cover_the_share_and_are_little_wider_than_those_of_fixed_numb
 
     assert covered >= 0.935 * 2_000
     assert widths <= 1.2 * usual
+
+
+@pytest.mark.parametrize(
+    ("share", "error"), [(0.9, 0.0125), (0.98, 0.0125), (0.8, 0.05), (0.5, 0.01), (0.05, 0.0125)]
+)
+def test_with_the_least_runs_a_test_can_end_both_ways_and_with_one_fewer_it_cannot(
+    share: float, error: float
+) -> None:
+    def ends(most: int) -> set[str | None]:
+        test = SequentialTest(share, error, most)
+        return {test.verdict(most, most), test.verdict(0, most)}
+
+    least = SequentialTest(share, error, 200).least
+
+    assert ends(least) == {HOLDS, FAILS}
+    assert DOUBTFUL in ends(least - 1)
