@@ -79,9 +79,9 @@ def _refuse_folders(*places: Path) -> None:
 
 
 def _compare_campaigns(first: Path, second: Path) -> int:
+    from pirate_sm.lab.campaign.comparing import compare as compare_campaigns
+    from pirate_sm.lab.campaign.comparing import comparison_text
     from pirate_sm.lab.campaign.conductor import stored
-    from pirate_sm.lab.campaign.tally import compare as compare_campaigns
-    from pirate_sm.lab.campaign.tally import comparison_text
 
     both = stored(first), stored(second)
     for name, place, each in zip("AB", (first, second), both, strict=True):

@@ -50,7 +50,6 @@ from pirate_sm.lab.campaign.named_parts import (
 from pirate_sm.lab.campaign.plan import CampaignPlan, Cell, code_version, key_of
 from pirate_sm.lab.campaign.sensitivity import Design
 from pirate_sm.lab.campaign.sensitivity_model import DrawnNumbers
-from pirate_sm.lab.campaign.sequential import MOST_RUNS
 from pirate_sm.running.wiring import Order, load, prepare
 
 OPTIONS_GIVEN = "the options"
@@ -223,16 +222,8 @@ class _Reading:
             if getattr(campaign, key) not in (None, StoppingRule()):
                 message = "a test ends each value of `margins`: delete it"
                 self.problems.add("campaign.margins", (key,), message)
-        if self.margins is None:
-            return
-        least, runs = self.margins.test(campaign.confidence).least, self.margins.runs
-        if least > runs:
-            way = f"give at least {least:,}" if least <= MOST_RUNS else "ask for another share"
-            message = (
-                f"`runs`: with {runs:,} runs no value can be sure enough to hold, or to fail, at a "
-                f"share of {100 * self.margins.share:.12g} %, which takes {least:,}: {way}"
-            )
-            self.problems.add("campaign.margins", ("margins",), message)
+        if self.margins and (problem := self.margins.cannot_end(campaign.confidence)):
+            self.problems.add("campaign.margins", ("margins",), problem)
 
     def _check(self, choices: Choices) -> bool:
         """Report choices that do not go with each other; return whether one is listed twice."""

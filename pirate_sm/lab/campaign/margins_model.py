@@ -165,6 +165,17 @@ class Margins(Frozen):
         """Return the test of a value, such that the edge of a side is as sure as this."""
         return SequentialTest(self.share, (1.0 - confidence) / (1 + self.halvings), self.runs)
 
+    def cannot_end(self, confidence: float) -> str:
+        """Return why there are too few runs for any value to hold, or to fail; empty: there are not."""
+        least = self.test(confidence).least
+        if least <= self.runs:
+            return ""
+        way = f"give at least {least:,}" if least <= MOST_RUNS else "ask for another share"
+        return (
+            f"`runs`: with {self.runs:,} runs no value can be sure enough to hold, or to fail, "
+            f"at a share of {100 * self.share:.12g} %, which takes {least:,}: {way}"
+        )
+
     @model_validator(mode="after")
     def _names_factors(self) -> Margins:
         wanted = {*self.expects, *(name for pair in self.pairs for name in pair)}

@@ -7,7 +7,8 @@ from collections.abc import Container
 import pytest
 
 from pirate_sm.lab.campaign.campaign_model import StoppingRule
-from pirate_sm.lab.campaign.tally import CellDifference, Tally, compare, comparison_text
+from pirate_sm.lab.campaign.comparing import CellDifference, compare, comparison_text
+from pirate_sm.lab.campaign.tally import Tally
 
 from .rows import cell, row
 
