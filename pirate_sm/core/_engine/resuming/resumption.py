@@ -52,7 +52,7 @@ class Entry(NamedTuple):
         armed_s: For a wait, how long it had been armed; its time limit goes on from there.
         origin: The signals from which a wait counts that counts on; a change of a signal that is
             NaN here stays unknown. Empty where no wait has counted.
-        by_resume: Whether the phase in which the run was cut off names this one with ``resume``.
+        by_resume: Whether the phase in which the run was interrupted names it with ``resume``.
     """
 
     pc: int
