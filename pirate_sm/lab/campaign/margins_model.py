@@ -166,7 +166,7 @@ class Margins(Frozen):
         return SequentialTest(self.share, (1.0 - confidence) / (1 + self.halvings), self.runs)
 
     def cannot_end(self, confidence: float) -> str:
-        """Return why there are too few runs for any value to hold, or to fail; empty: there are not."""
+        """Return why `runs` are too few for any value to hold, or to fail; empty: they are not."""
         least = self.test(confidence).least
         if least <= self.runs:
             return ""
