@@ -16,7 +16,7 @@ Change: TypeAlias = tuple[list[str | int], Any] | tuple[list[str | int], int, li
 def changes(before: Any, after: Any, path: tuple[str | int, ...] = ()) -> Iterator[Change]:
     """Yield what turns one value into the other, to be done in this order.
 
-    The order of keys does not count, and values that are equal in Python are not told apart.
+    The order of keys does not count, nor does the type of values that are equal in Python.
 
     Args:
         before: Plain data as in JSON.
