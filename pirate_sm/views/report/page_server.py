@@ -18,6 +18,7 @@ from socket import create_server
 from typing import Any, Final
 
 from tornado.httpserver import HTTPServer
+from tornado.iostream import IOStream
 from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
@@ -51,11 +52,13 @@ class Editions:
     Attributes:
         newest: The newest edition; None before the first.
         viewers: Number of pages that are open.
+        streams: The connections over which changes are sent.
     """
 
     def __init__(self) -> None:
         self.newest: Edition | None = None
         self.viewers = 0
+        self.streams = set[IOStream]()
         self._own = secrets.token_hex(8)
         self._next = asyncio.get_running_loop().create_future()
         self._encoded: dict[int, str] = {}
@@ -147,6 +150,9 @@ class _Changes(_OnLoopback, WebSocketHandler):
     def open(self, *_: str, **__: str) -> None:
         """Begin to send."""
         self.editions.viewers += 1
+        if self.ws_connection is not None and self.ws_connection.stream is not None:
+            self._stream = self.ws_connection.stream
+            self.editions.streams.add(self._stream)
         self._sending = asyncio.ensure_future(self._send())
 
     def on_message(self, message: str | bytes) -> None:
@@ -155,6 +161,7 @@ class _Changes(_OnLoopback, WebSocketHandler):
     def on_close(self) -> None:
         """Stop sending."""
         self.editions.viewers -= 1
+        self.editions.streams.discard(self._stream)
         self._sending.cancel()
 
     async def _send(self) -> None:
@@ -219,6 +226,12 @@ class PageServer:
         """Listen no longer."""
         self._server.stop()
 
+    async def end_connections(self) -> None:
+        """Close the connections of all viewers."""
+        for each in [*self.editions.streams]:
+            each.close()
+        await self._server.close_all_connections()
+
 
 async def serve(
     shown: Path | Report,
@@ -263,6 +276,7 @@ async def serve(
         await _first(asyncio.ensure_future(until(server.editions)), failure)
     finally:
         server.close()
+        await server.end_connections()
         if report is not None:
             await asyncio.to_thread(report.close)
 
