@@ -154,7 +154,7 @@ def test_a_page_grows_with_its_run_and_is_its_report_in_the_end(
     assert outcome(it).split()[-1] == ("Succeeded" if name == "bend" else "Failed")
     assert lanes < grown < it.page.locator("#timeline .span").count()
     assert it.page.locator(".story .end").count() == 1
-    assert it.said == []
+    assert [each for each in it.said if "GL Driver Message" not in each] == []  # of slow drivers
     run.stop()  # what is there needs no server
     it.page.locator("#slider").fill("3")
     assert it.at_s == 3.0
