@@ -79,8 +79,9 @@ class MarginBound(NamedTuple):
 def _read_bounds(value: Any) -> tuple[MarginBound, ...]:
     """Return the bounds of `>= 0.35`, or of a list of two."""
     listed = value if isinstance(value, list | tuple) else [value]
-    found = []
-    for each in listed:
+    found: list[MarginBound] = []
+    for one in listed:
+        each: Any = " ".join(map(str, one)) if isinstance(one, list) else one  # as stored
         match = None if isinstance(each, MarginBound) else _BOUND.fullmatch(str(each))
         if match is None and not isinstance(each, MarginBound):
             raise kind_fault(f"expected a bound such as '>= 0.35' or '<= 10 deg', got '{each}'")
@@ -92,8 +93,8 @@ def _read_range(value: Any) -> tuple[str, str] | None:
     """Return the two ends of `0.1..0.9` as text; None of `usual`."""
     if value in (None, "usual"):
         return None
-    if isinstance(value, tuple):
-        return value
+    if isinstance(value, list | tuple):  # as stored with results
+        value = "..".join(map(str, value))
     low, dots, high = map(str.strip, str(value).partition(".."))
     if not (dots and low and high):
         raise kind_fault(f"expected `usual`, or a range such as 0.1..0.9, got '{value}'")

@@ -236,3 +236,11 @@ def test_results_say_how_they_were_changed_and_the_page_draws_them(tmp_path: Pat
     assert 'class="zone fails"' in page
     assert "it slips" in page
     assert json.dumps(result.as_data())
+
+
+def test_what_is_wanted_is_read_again_as_it_is_stored() -> None:
+    wanted = Margins.model_validate(
+        {"factors": {"friction": "0.1..0.9", "tilt": "usual"}, "expects": {"friction": ">= 0.35"}}
+    )
+
+    assert Margins.model_validate(json.loads(wanted.model_dump_json())) == wanted
