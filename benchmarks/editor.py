@@ -163,14 +163,14 @@ class Server:
 
     @property
     def processor_s(self) -> float:
-        """Return the processor time that it has used; 0 where the system does not tell."""
+        """Return the processor time that it has used; 0 where the system does not report it."""
         file = Path(f"/proc/{self.process.pid}/stat")
         fields = file.read_text().rpartition(")")[2].split() if file.exists() else ["0"] * 13
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     @property
     def memory_bytes(self) -> int:
-        """Return the memory that it needs now; 0 where the system does not tell."""
+        """Return the memory that it needs now; 0 where the system does not report it."""
         file = Path(f"/proc/{self.process.pid}/status")
         found = re.search(r"VmRSS:\s*(\d+) kB", file.read_text() if file.exists() else "")
         return 1024 * int(found[1]) if found else 0

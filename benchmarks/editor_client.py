@@ -30,7 +30,7 @@ class Client:
         self._messages: list[Json] = []
 
     def send(self, method: str, params: Json | None, number: int | None = None) -> None:
-        """Tell something, or ask if it has a number."""
+        """Send a notification, or a request if it has a number."""
         said = {"jsonrpc": "2.0", "method": method, "params": params}
         self._write(said if number is None else {**said, "id": number})
 

@@ -1,4 +1,4 @@
-"""The page of a run that goes on, in Chromium: the recording grows as the test writes it."""
+"""The page of a run in progress, in Chromium: the recording grows as the test writes it."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Growing:
         return read_recording(self._path).until_s
 
     def end(self) -> None:
-        """The run is over."""
+        """The run ends."""
         self._path.write_bytes(self._whole)
 
     def start(self) -> None:
@@ -59,7 +59,7 @@ class Growing:
         assert self._ready.wait(60)
 
     def stop(self) -> None:
-        """Serve it no longer."""
+        """Stop serving it."""
         if self._over is not None and self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._over.set)
         self._thread.join()

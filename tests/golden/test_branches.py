@@ -1,4 +1,4 @@
-"""How many branches of each kind the shipped missions have; `make golden` writes the list anew."""
+"""How many branches of each kind the shipped missions have; `make golden` writes the list again."""
 
 from __future__ import annotations
 

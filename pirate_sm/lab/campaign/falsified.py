@@ -56,7 +56,7 @@ class KeptChange:
         yield f"least change with which {_SAID[self.kind]} (size {self.size:.2f}):"
         for name, (value, nominal) in self.factors.items():
             yield f"    {name} {value} instead of {nominal}"
-        yield f"    {self.why}; so it is with {self.seeds} of {_OTHER_SEEDS} seeds"
+        yield f"    {self.why}; the same with {self.seeds} of {_OTHER_SEEDS} seeds"
         yield f"    {self.command}"
         if self.recording:
             yield f"    recorded in {shlex.quote(self.recording)}"

@@ -118,7 +118,7 @@ class MissionRuns:
         ]
 
     def _command(self, name: str) -> Callable[..., None]:
-        """Return what the server does for a command: it begins, and tells later how it ended."""
+        """Return what the server does for a command: it begins, and reports later how it ended."""
 
         def command(*arguments: Any) -> None:
             uri = arguments[0] if arguments and isinstance(arguments[0], str) else ""

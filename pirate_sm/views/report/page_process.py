@@ -1,6 +1,6 @@
 """The page of a run in a process of its own, which a command starts with the run.
 
-The two share the recording and a pipe: closed, also by a death, it says that the run is over.
+The two share the recording and a pipe: closed, also by a death, it says that the run has ended.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _LOOK_EVERY_S = 1.0
 
 
 class PageProcess:
-    """Serves the page of a recording until the run is over and no page is open.
+    """Serves the page of a recording until the run has ended and no page is open.
 
     Args:
         path: The recording, which has its header.
@@ -68,7 +68,7 @@ class PageProcess:
         return str(said["address"])
 
     def close(self) -> None:
-        """Say that the run is over."""
+        """Say that the run has ended."""
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
                 pipe.close()
@@ -80,7 +80,7 @@ def _say(**what: Any) -> None:
 
 
 async def _until_unwatched(editions: Editions) -> None:
-    """Return when the run is over and no page has been open for a while."""
+    """Return when the run has ended and no page has been open for a while."""
     await asyncio.to_thread(sys.stdin.read)
     unseen_s = 0.0
     while unseen_s < LINGER_S:

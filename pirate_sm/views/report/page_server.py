@@ -223,7 +223,7 @@ class PageServer:
         return f"http://{HOST}:{self.port}/"
 
     def close(self) -> None:
-        """Listen no longer."""
+        """Stop listening."""
         self._server.stop()
 
     async def end_connections(self) -> None:

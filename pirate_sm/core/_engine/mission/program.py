@@ -42,7 +42,7 @@ BranchKind: TypeAlias = Literal[
 
 
 class BranchKey(NamedTuple):
-    """What tells a branch from others.
+    """Identifies a branch.
 
     Attributes:
         kind: ``else`` is the way past a condition, also where the file has no such word.

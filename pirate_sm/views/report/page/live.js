@@ -1,4 +1,4 @@
-// The page of a run that goes on: what has changed comes from the server that it was opened from.
+// The page of a run in progress: what has changed comes from the server that it was opened from.
 
 /** Changes from the server: a value at a path, or how much of a list stays and what follows. */
 const apply = (root, changes) => changes.forEach(([path, value, tail]) => {

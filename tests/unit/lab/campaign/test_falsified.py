@@ -76,6 +76,6 @@ def test_an_internal_error_is_said_with_its_command_and_has_no_scene(tmp_path: P
     said = "\n".join(change.lines())
 
     assert "least change with which an internal error ends it (size 0.50)" in said
-    assert "ZeroDivisionError: division by zero; so it is with 10 of 10 seeds" in said
+    assert "ZeroDivisionError: division by zero; the same with 10 of 10 seeds" in said
     assert "pirate run climb --seed 0" in said
     assert "pirate demo" not in said

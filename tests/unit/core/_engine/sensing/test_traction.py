@@ -201,7 +201,7 @@ def test_what_resists_rolling_is_not_friction(drive, tmp_path, states):
 
 
 def test_motors_that_only_overcome_what_resists_rolling_push_against_nothing(drive, tmp_path):
-    """Its wheels press as if no motor gave anything, for that is what the walls get."""
+    """Its wheels press as if no motor gave anything, since that is what the walls bear."""
     still = Rolling(drive(CARELESS, PIRATE, states=DRIVING_FORWARD)).go(1.5, 0.0, 0.0)
     tyres = tyres_that_resist(tmp_path / "robot", 0.02)
     robot = Rolling(drive(CARELESS, tyres, states=DRIVING_FORWARD))
