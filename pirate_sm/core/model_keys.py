@@ -40,14 +40,36 @@ class Snippet(NamedTuple):
     key: str
     rest: str = ""
 
+    def text(self, opening: str) -> str:
+        """Return it for an entry that begins so; on a line of its own other keys have no room."""
+        if opening == "[" or (opening == "-" and self.rest):
+            return f"{{{', '.join(filter(None, self))}}}"
+        return ", ".join(filter(None, self)) if opening == "{" else self.key
 
-def snippets(model: type[BaseModel], offered: Set[str]) -> Mapping[str, Snippet]:
-    """Return the snippets of keys that can be written at a place, of those that need one.
+
+class WrittenKeys(NamedTuple):
+    """How keys can be written at a place.
+
+    Attributes:
+        snippets: Of the keys that need one.
+        shared: Further keys, which things of all kinds have, if keys are offered that choose one.
+    """
+
+    snippets: Mapping[str, Snippet]
+    shared: Set[str]
+
+
+def written_keys(model: type[BaseModel], offered: Set[str]) -> WrittenKeys:
+    """Return how keys can be written at a place.
 
     Args:
         model: The model of the file.
         offered: All keys, and other words, that can be written there.
     """
+    return WrittenKeys(_snippets(model, offered), _shared_keys(model, offered))
+
+
+def _snippets(model: type[BaseModel], offered: Set[str]) -> Mapping[str, Snippet]:
     found: dict[str, Snippet] = {}
     for keys, among in _forms(model):
         if keys.keys() <= offered:
@@ -57,8 +79,7 @@ def snippets(model: type[BaseModel], offered: Set[str]) -> Mapping[str, Snippet]
     return {key: each for key, each in found.items() if each.key}
 
 
-def shared_keys(model: type[BaseModel], offered: Set[str]) -> set[str]:
-    """Return the keys that things of all kinds have, if keys are offered that choose the kind."""
+def _shared_keys(model: type[BaseModel], offered: Set[str]) -> set[str]:
     found: set[str] = set()
     for kinds, among in _forms(model):
         if among and kinds.keys() <= offered:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from lsprotocol import types
 
 from pirate_sm.core.expressions import FUNCTIONS
-from pirate_sm.core.model_keys import Snippet, shared_keys, snippets
+from pirate_sm.core.model_keys import written_keys
 from pirate_sm.core.models import Mission
 from pirate_sm.views.editor.completions import PossibleWord
 from pirate_sm.views.editor.hover import detail
@@ -37,28 +37,21 @@ def items(
     if known and any(each.word in known.loaded.robot.vocabulary.types for each in words):
         words += (PossibleWord(each, is_key=False) for each in sorted(FUNCTIONS))
     keys = {each.word for each in words if each.is_key} if known else set()
-    words += (PossibleWord(each, is_key=True) for each in sorted(shared_keys(Mission, keys)))
-    forms = snippets(Mission, keys) if fills else {}
+    written = written_keys(Mission, keys)
+    words += (PossibleWord(each, is_key=True) for each in sorted(written.shared))
     for each in words:
-        form = forms.get(each.word) if each.is_key else None
+        form = written.snippets.get(each.word) if each.is_key and fills else None
         item = types.CompletionItem(
             each.word, kind=_KINDS.Property if each.is_key else _KINDS.Value
         )
         text = f"{each.word}: " if each.is_key else each.word
         if form is not None:
-            text, item.kind = _text(form, opening), _KINDS.Snippet
+            text, item.kind = form.text(opening), _KINDS.Snippet
             item.insert_text_format = types.InsertTextFormat.Snippet
         elif known is not None and not each.is_key:
             item.detail, item.sort_text = _described(known, each.word)
         item.text_edit = types.TextEdit(place, text)
         yield item
-
-
-def _text(form: Snippet, opening: str) -> str:
-    """Return a snippet for its place: on a line of its own there is no room for other keys."""
-    if opening == "[" or (opening == "-" and form.rest):
-        return f"{{{', '.join(filter(None, form))}}}"
-    return ", ".join(filter(None, form)) if opening == "{" else form.key
 
 
 def _described(known: KnownMission, word: str) -> tuple[str | None, str | None]:
