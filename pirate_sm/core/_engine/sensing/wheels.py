@@ -13,7 +13,7 @@ the robot with any force up to their drag.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import inf, isnan, nan, sin
 from statistics import fmean, median
 from typing import NamedTuple
@@ -227,21 +227,15 @@ def judge_grip(
     """
     numbers, weight_n = sensing.numbers, robot.body.weight_n
     driven = [wheel for wheel in robot.wheels if setpoints[wheel.slot]]
-    recent_s = sensing.distance.at_s - robot.link.period_s
-    heard = [
-        wheel
-        for wheel in driven
-        if not isnan(numbers[wheel.speed])
-        and sensing.heard_s[robot.wheel_boards[wheel.place]] > recent_s
-    ]
+    if not driven:
+        return WheelGrip()
+    heard = _heard(robot, sensing, driven)
     turning = [
         wheel
         for wheel in heard
         if wheel.place in by.wheels
         and by.odd_s[wheel.place] == sensing.distance.odd_s[wheel.place] == inf
     ]
-    if not driven:
-        return WheelGrip()
     speeds = [numbers[wheel.speed] * wheel.metres_per_rad for wheel in turning]
     bearing = turning + [w for w in _along(numbers, heard, speeds) if w not in turning]
     drag_n = sum(wheel.drag_n for wheel in driven if wheel not in bearing)
@@ -280,6 +274,17 @@ def judge_grip(
     pull_n = min(asked_n, slack_n - excess_n) if steep and weight_n else 0.0
     vague = len(turning) < _FEW <= len(by.wheels)
     return WheelGrip(True, ends, pull_n / weight_n * GRAVITY_M_S2 if pull_n else 0.0, vague)
+
+
+def _heard(robot: RobotSpec, sensing: Sensing, wheels: Iterable[WheelSpec]) -> list[WheelSpec]:
+    """Return the wheels whose speeds their boards have reported in the last period."""
+    recent_s = sensing.distance.at_s - robot.link.period_s
+    return [
+        wheel
+        for wheel in wheels
+        if not isnan(sensing.numbers[wheel.speed])
+        and sensing.heard_s[robot.wheel_boards[wheel.place]] > recent_s
+    ]
 
 
 def _pressed_n(
