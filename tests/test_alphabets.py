@@ -58,6 +58,7 @@ ALPHABETS = {
             "checking/mission_behaviour.py",
             "core/_engine/mission/interpreter.py",
             "core/_engine/mission/program.py",
+            "core/branches.py",
         ),
     ),
     "step": Alphabet(
