@@ -50,7 +50,7 @@ help:
 	@echo "make resume  missions cut off at random moments on the emulated bay, and resumed"
 	@echo "make loops   velocity and torque loops over a bad link to the emulated bay"
 	@echo "make bends   the bend in real time, and nothing goes wrong"
-	@echo "make mistakes 650 mistakes in files, to be reported on their line, and odd but correct files"
+	@echo "make mistakes 650 mistakes in files, to be reported on their line, and odd but correct files; also in an editor"
 	@echo "make mutants 250 small faults in the code, to be found by the tests (an hour)"
 	@echo "make golden  the golden traces, help texts and pictures of screens anew, after a change that is meant"
 	@echo "make docs    the documentation site, in build/site, with warnings as errors"
@@ -218,6 +218,7 @@ loops: $(VENV)/.ready-soak
 
 mistakes: $(VENV)/.ready-dev
 	$(BIN)/python -m benchmarks.mistakes
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal -m slow tests/unit/views/editor
 
 mutants: $(VENV)/.ready-mutants
 	$(BIN)/python -m benchmarks.mutants

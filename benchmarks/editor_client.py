@@ -9,6 +9,8 @@ from typing import IO, Any
 
 Json = Mapping[str, Any]
 CAPABILITIES = {"general": {"positionEncodings": ["utf-16"]}}
+_ERROR = 1
+"""The type of a message that is an error."""
 
 
 class Client:
@@ -104,9 +106,17 @@ class Client:
             self._take()
 
     def _published(self) -> tuple[str, int | None]:
-        """Take messages until one shows findings; return the file and the version of its text."""
-        while (message := self._take()).get("method") != "textDocument/publishDiagnostics":
-            pass
+        """Take messages until one shows findings; return the file and the version of its text.
+
+        Raises:
+            AssertionError: The server shows an error, so that the findings may never come.
+        """
+        message: Json = {}
+        while message.get("method") != "textDocument/publishDiagnostics":
+            said = (each for each in self._messages if each["method"] == "window/showMessage")
+            wrong = [each["params"]["message"] for each in said if each["params"]["type"] == _ERROR]
+            assert not wrong, wrong
+            message = self._take()
         return message["params"]["uri"], message["params"].get("version")
 
     def _take(self) -> Json:

@@ -388,9 +388,10 @@ class _Shared(NamedTuple):
 
 
 _SHARED: Final = deque[_Shared]()
-"""The latest; all of them are at most ``MOST_SHARED`` of work."""
+"""The last, and those before it as far as all are at most ``MOST_SHARED`` of work."""
 
-MOST_SHARED = 2 * MOST_WORK
+MOST_SHARED = MOST_WORK / 2
+"""About 60 MB, as all shipped missions; an editor has another program at each key. [decided]"""
 
 _OF_A_PIPE = frozenset({"commands", "sight"})
 """What a pipe changes in a robot: the torque with which its clamps count as closed."""
@@ -416,7 +417,10 @@ def explore_mission(loaded: LoadedMission) -> tuple[Sequence[Explored], Conditio
     conditions = conditions_of(loaded)
     explored = _explored(replace(usual), program, conditions)
     _SHARED.append(_Shared(usual, program, conditions.copied(), explored))
-    while sum(book.found.work for each in tuple(_SHARED) for book in each.explored) > MOST_SHARED:
+    while (
+        len(_SHARED) > 1
+        and sum(book.found.work for each in tuple(_SHARED) for book in each.explored) > MOST_SHARED
+    ):
         _SHARED.popleft()
     return explored, conditions
 

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
 
 from lsprotocol import types
@@ -20,31 +19,24 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import to_fs_path
 
 from pirate_sm import __version__
-from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.kept_results import KeptInMemory
 from pirate_sm.checking.mission.check_mission import noting_missions
-from pirate_sm.checking.project_files import find_targets
 from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.core.documents import (
     Document,
     FileKind,
     LoadError,
-    Problem,
     kind_of_text,
     parse_document,
 )
 from pirate_sm.core.errors import PirateError
-from pirate_sm.core.loading import TOLERABLE, load_mission, references
-from pirate_sm.core.on_disk import noting, unsaved
-from pirate_sm.core.spelling import compared_with
-from pirate_sm.views.editor import expression_tokens, hover, inlay_hints, outline
-from pirate_sm.views.editor.asked_place import AskedPlace, content_of
-from pirate_sm.views.editor.completion_items import items
-from pirate_sm.views.editor.completions import offers, opening
+from pirate_sm.core.on_disk import unsaved
+from pirate_sm.views.editor import expression_tokens, inlay_hints, outline
+from pirate_sm.views.editor.asked_place import content_of
 from pirate_sm.views.editor.editor_wishes import EditorWishes
-from pirate_sm.views.editor.known_mission import KnownMission, may_be_mission
+from pirate_sm.views.editor.known_mission import KnownMission
 from pirate_sm.views.editor.mission_runs import MissionRuns
-from pirate_sm.views.editor.names import FileSaid, NameAt, Names
+from pirate_sm.views.editor.place_answers import PlaceAnswers
 from pirate_sm.views.editor.positions import Positions
 from pirate_sm.views.editor.refactorings import Refactorings
 from pirate_sm.views.editor.shown_findings import SOURCE, CheckedTexts, of_kinds
@@ -87,10 +79,6 @@ class Editor:
             types.WORKSPACE_DID_CHANGE_WATCHED_FILES: self._note_change,
             types.TEXT_DOCUMENT_DOCUMENT_SYMBOL: self._symbols,
             types.TEXT_DOCUMENT_FOLDING_RANGE: self._folds,
-            types.TEXT_DOCUMENT_DEFINITION: self._definition,
-            types.TEXT_DOCUMENT_REFERENCES: self._references,
-            types.TEXT_DOCUMENT_RENAME: self._rename,
-            types.TEXT_DOCUMENT_HOVER: self._hover,
             types.TEXT_DOCUMENT_INLAY_HINT: self._inlay_hints,
             types.WORKSPACE_DID_CHANGE_CONFIGURATION: self._wishes.change,
         }
@@ -102,9 +90,7 @@ class Editor:
         kinds = [kind.QuickFix, kind.SourceFixAll, kind.RefactorExtract]
         offered = types.CodeActionOptions(code_action_kinds=kinds)
         self._server.feature(types.TEXT_DOCUMENT_CODE_ACTION, offered)(partial(self._actions))
-        begins = types.CompletionOptions(trigger_characters=[" ", "$"])
-        self._server.feature(types.TEXT_DOCUMENT_COMPLETION, begins)(partial(self._completions))
-
+        PlaceAnswers(self._server, self._open, check, self._wishes, self._mission)
         legend = types.SemanticTokensLegend([each.value for each in expression_tokens.TYPES], [])
         self._server.feature(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL, legend)(
             partial(self._tokens)
@@ -151,9 +137,12 @@ class Editor:
         self._changed.set()
 
     def _open(self) -> dict[str, Any]:
-        """Return the open files by their paths."""
+        """Return the open files by their paths; not what only the editor calls a file."""
         files = self._server.workspace.text_documents.values()
-        return {os.path.realpath(file.path): file for file in files}
+        return {os.path.realpath(file.path): file for file in files if _may_be_file(file.uri)}
+
+    def _mission(self, path: str) -> KnownMission | None:
+        return self._missions.get(path)
 
     # --- checks ---
 
@@ -164,21 +153,21 @@ class Editor:
             await asyncio.sleep(_PAUSE_S)
             if self._changed.is_set():
                 continue
-            files = self._open()
-            texts = {path: content_of(file.source) for path, file in files.items()}
-            uris = {path: file.uri for path, file in files.items()}
-            work = partial(self._checked, texts, uris)
             try:
-                made = asyncio.get_running_loop().run_in_executor(self._server.thread_pool, work)
-                checked, shown = await made
+                await self._check_all()
             except Exception as error:  # the next text may do
                 self._say(error)
-                continue
-            if not self._changed.is_set():
-                self._last = checked
-                versions = {file.uri: file.version for file in files.values()}
-                self._show(shown, versions)
-                self._wishes.refresh_hints()
+
+    async def _check_all(self) -> None:
+        """Check the open files, and show what is found if they are still the same then."""
+        files = self._open()
+        texts = {path: content_of(file.source) for path, file in files.items()}
+        uris = {path: file.uri for path, file in files.items()}
+        checked, shown = await asyncio.to_thread(self._checked, texts, uris)
+        if not self._changed.is_set():
+            self._last = checked
+            self._show(shown, {file.uri: file.version for file in files.values()})
+            self._wishes.refresh_hints()
 
     def _checked(
         self, texts: dict[str, bytes], uris: dict[str, str]
@@ -228,134 +217,6 @@ class Editor:
             offered = [*last.actions(path, asked.range), *offered]
         return of_kinds(offered, asked.context.only or [])
 
-    async def _completions(self, asked: types.CompletionParams) -> list[types.CompletionItem]:
-        """Return the words that are possible at a place; loading is asked in a thread."""
-        question = self._question(asked)
-        is_mission = may_be_mission(question.text_of(question.path))
-
-        def compared(changed: str, word: str) -> list[str]:
-            with compared_with(word) as names:
-                if is_mission:
-                    question.mission(changed)
-                else:
-                    self._loaded(question, {question.path: changed}, question.path)
-            return [*names]
-
-        def work() -> list[types.CompletionItem]:
-            text, start = question.text_of(question.path), question.start
-            end, place = start + len(question.word), question.range(question.spot, question.word)
-            known = question.marked_mission() if is_mission else None
-            words = offers(text, start, end, compared)
-            return [
-                *items(words, place, known, fills=self._wishes.fills, opening=opening(text, start))
-            ]
-
-        return await self._in_thread(work)
-
-    async def _hover(self, asked: types.HoverParams) -> types.Hover | None:
-        """Return what is known of a word of a mission."""
-        question = self._question(asked)
-
-        def work() -> types.Hover | None:
-            text = question.text_of(question.path)
-            known = self._missions.get(question.path)
-            known = known or (question.mission(text) if may_be_mission(text) else None)
-            line = asked.position.line + 1 if known and known.text == text else 0
-            said = hover.about(known, question.word, line) if known and question.word else ""
-            content = types.MarkupContent(types.MarkupKind.Markdown, said)
-            place = question.range(question.spot, question.word)
-            return types.Hover(content, place) if said else None
-
-        return await self._in_thread(work)
-
-    async def _definition(self, asked: types.DefinitionParams) -> types.Location | None:
-        question = self._question(asked)
-
-        def work() -> types.Location | None:
-            names, at, word = self._names(question), question.spot, question.word
-            if not word:
-                return None
-            found = names.declaration(at, word)
-            if found is None and (file := names.file(at, word)) is not None:
-                return question.location(NameAt(file, 0), "")
-            found = found or names.key(at, word)
-            return question.location(found, word) if found else None
-
-        return await self._in_thread(work)
-
-    async def _references(self, asked: types.ReferenceParams) -> list[types.Location]:
-        question = self._question(asked)
-
-        def work() -> list[types.Location]:
-            spots = self._spots(question, self._names(question))
-            spots = spots if asked.context.include_declaration else spots[1:]
-            return [question.location(each, question.word) for each in spots]
-
-        return await self._in_thread(work)
-
-    async def _rename(self, asked: types.RenameParams) -> types.WorkspaceEdit | None:
-        """Return the change that gives a name another spelling; None if it would be refused."""
-        question = self._question(asked)
-
-        def work() -> types.WorkspaceEdit | None:
-            names, word = self._names(question), question.word
-            spots = self._spots(question, names)
-            if not spots or not names.renamed(spots, word, asked.new_name):
-                return None
-            edits: dict[str, list[types.TextEdit]] = {}
-            for each in spots:
-                edit = types.TextEdit(question.range(each, word), asked.new_name)
-                edits.setdefault(question.uri(each.path), []).append(edit)
-            return types.WorkspaceEdit(changes=edits)
-
-        return await self._in_thread(work)
-
-    def _question(self, asked: Any) -> AskedPlace:
-        """Return a question about a position, with the texts as they are now."""
-        files = self._open()
-        file = self._server.workspace.get_text_document(asked.text_document.uri)
-        texts = {path: each.source for path, each in files.items()}
-        uris = {path: each.uri for path, each in files.items()}
-        codec = self._server.workspace.position_codec
-        return AskedPlace(os.path.realpath(file.path), asked.position, texts, uris, codec)
-
-    async def _in_thread(self, work: Callable[[], R]) -> R:
-        return await asyncio.get_running_loop().run_in_executor(self._server.thread_pool, work)
-
-    def _names(self, question: AskedPlace) -> Names:
-        return Names(partial(self._loaded, question), question.text_of)
-
-    def _spots(self, question: AskedPlace, names: Names) -> list[NameAt]:
-        """Return where a name is declared, and all its uses in open missions and in the project."""
-        declared = question.word and names.declaration(question.spot, question.word)
-        if not declared:
-            return []
-        targets = find_targets(()).targets
-        missions = (each.path for each in targets if each.kind is FileKind.MISSION)
-        others = dict.fromkeys([*question.texts, *map(os.path.realpath, missions)])
-        others.pop(question.path)
-        return [declared, *names.uses(declared, question.word, others)]
-
-    def _loaded(self, question: AskedPlace, changed: Mapping[str, str], path: str) -> FileSaid:
-        """Load a file with changed texts; a mission without exploring it."""
-        texts = {**question.texts, **changed}
-        errors: Iterable[Finding | Problem] = ()
-        with unsaved({each: content_of(text) for each, text in texts.items()}), noting() as asked:
-            if kind_of_text(question.text_of(path, texts)) is FileKind.MISSION:
-                try:
-                    with references.kept_inside(wanted=True):
-                        errors = load_mission(Path(path), tolerated=TOLERABLE).problems
-                except LoadError as error:
-                    errors = error.problems
-                except PirateError:
-                    pass
-            else:
-                errors = self._check([path]).open
-        wrong = (each for each in errors if each.severity is Severity.ERROR)
-        read = map(os.path.realpath, asked.contents)
-        found = frozenset((each.place, each.message) for each in wrong)
-        return FileSaid(found, tuple(dict.fromkeys(read)))
-
     def _symbols(self, asked: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
         return self._outline(asked.text_document.uri, outline.symbols)
 
@@ -376,7 +237,7 @@ class Editor:
         known = self._missions.get(path)
         known = known if known and known.text == document.text else None
         part = positions.index_of(asked.range.start), positions.index_of(asked.range.end)
-        return await self._in_thread(
+        return await asyncio.to_thread(
             lambda: [*inlay_hints.hints(document, positions, known, *part)]
         )
 
@@ -398,3 +259,8 @@ class Editor:
             self._outlined[uri] = document, positions
         known = self._outlined.get(uri)
         return of(*known) if known else []
+
+
+def _may_be_file(uri: str) -> bool:
+    """Return whether a document can be a file, and is no older version of one, as in ``git:``."""
+    return "\0" not in (to_fs_path(uri) or "\0")

@@ -61,14 +61,15 @@ def test_other_programs_and_robots_are_explored_for_themselves() -> None:
     assert len(set(map(id, found))) == 3
 
 
-def test_the_oldest_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_oldest_are_forgotten_and_the_last_never_is(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(exploring, "MOST_SHARED", 0)
     monkeypatch.setattr(exploring, "_SHARED", deque())
-    loaded = in_pipe("climb", NARROW)
-    first, _ = explore_mission(loaded)
+    old, last = in_pipe("climb", NARROW), load_mission(library.find_mission("mitre_bend"))
+    first, second = explore_mission(old)[0], explore_mission(last)[0]
 
-    assert explore_mission(loaded)[0] is not first
-    assert not exploring._SHARED
+    assert explore_mission(last)[0] is second
+    assert explore_mission(old)[0] is not first
+    assert len(exploring._SHARED) == 1
 
 
 def test_answers_that_a_copy_finds_are_its_own() -> None:

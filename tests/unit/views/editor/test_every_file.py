@@ -94,8 +94,8 @@ def test_mistakes(tmp_path: Path) -> None:
     ask_of_mistakes([*map(mistake, SAMPLE)], tmp_path)
 
 
-@pytest.mark.thorough
-@pytest.mark.timeout(1200)
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("file", [*FILES, ODD])
 def test_all_mistakes(file: str, tmp_path: Path) -> None:
     ask_of_mistakes([*cases([file])], tmp_path)

@@ -136,8 +136,8 @@ def test_mistakes_in_files_that_are_not_there(tmp_path: Path) -> None:
     compare_mistakes([*map(mistake, SAMPLE)], tmp_path)
 
 
-@pytest.mark.thorough
-@pytest.mark.timeout(1200)
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("file", [*FILES, ODD])
 def test_all_mistakes(file: str, tmp_path: Path) -> None:
     compare_mistakes([*cases([file])], tmp_path)

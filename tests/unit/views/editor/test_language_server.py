@@ -170,6 +170,31 @@ def test_an_error_of_the_check_is_said_and_the_next_text_is_checked(tmp_path: Pa
     assert found
 
 
+def test_whoever_waits_for_findings_is_told_that_none_will_come(tmp_path: Path) -> None:
+    def fails(paths: list[str]) -> CheckReport:
+        raise ValueError(f"a bug in {len(paths)} file")
+
+    with served(fails) as client:
+        client.begin(tmp_path)
+        with pytest.raises(AssertionError, match="ValueError: a bug in 1 file"):
+            client.write(tmp_path / "drive.yaml", DRIVE)
+
+
+@pytest.mark.parametrize("uri", ["file:///tmp/a%00b.yaml", "git:{path}", "untitled:Untitled-1"])
+def test_a_document_that_is_no_file_keeps_no_other_from_being_checked(
+    uri: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "drive.yaml"
+    with served() as client:
+        client.begin(tmp_path)
+        before = client.write(path, DRIVE.replace("start: drive", "start: drift"))
+        other = {"uri": uri.format(path=path), "version": 1, "text": DRIVE, "languageId": "yaml"}
+        client.send("textDocument/didOpen", {"textDocument": other})
+
+        assert before
+        assert client.settle(path, 1) == before
+
+
 def test_an_editor_that_watches_files_is_asked_to(tmp_path: Path) -> None:
     watches = {"workspace": {"didChangeWatchedFiles": {"dynamicRegistration": True}}}
     caller, called = tmp_path / "caller.yaml", tmp_path / "drive.yaml"
