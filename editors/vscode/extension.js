@@ -17,17 +17,11 @@ function server() {
   return { command, args, options: { cwd: folder } };
 }
 
-/** Return hints only where the setting wants them. */
-function hints(document, range, token, next) {
-  const wanted = vscode.workspace.getConfiguration("pirateSm").get("hints");
-  return wanted ? next(document, range, token) : [];
-}
-
 async function start() {
   const line = server();
   client = new LanguageClient("pirateSm", "pirate_sm", line, {
     documentSelector: [{ scheme: "file", language: "yaml" }],
-    middleware: { provideInlayHints: hints },
+    synchronize: { configurationSection: "pirateSm" },
   });
   try {
     await client.start();

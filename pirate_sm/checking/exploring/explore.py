@@ -389,7 +389,6 @@ class _Shared(NamedTuple):
 
 _SHARED: Final = deque[_Shared]()
 """The last, and those before it as far as all are at most ``MOST_SHARED`` of work."""
-
 MOST_SHARED = MOST_WORK / 2
 """About 60 MB, as all shipped missions; an editor has another program at each key. [decided]"""
 

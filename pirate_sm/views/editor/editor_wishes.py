@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 from lsprotocol import types
 from pygls.lsp.server import LanguageServer
 
-from pirate_sm.views.editor.shown_findings import SOURCE
+_SECTION: Final = "pirateSm"
+"""What the settings are called in an editor."""
 
 
 class EditorWishes:
@@ -33,11 +34,11 @@ class EditorWishes:
     def take(self, settings: Any) -> None:
         """Use the settings, as far as there are any."""
         if isinstance(settings, dict):
-            self.hints = settings.get("inlayHints", self.hints) is not False
+            self.hints = settings.get("hints", self.hints) is not False
 
     def change(self, said: types.DidChangeConfigurationParams) -> None:
         """Use other settings."""
-        self.take(said.settings.get(SOURCE) if isinstance(said.settings, dict) else None)
+        self.take(said.settings.get(_SECTION) if isinstance(said.settings, dict) else None)
         self.refresh_hints()
 
     def refresh_hints(self) -> None:

@@ -14,6 +14,9 @@ import pytest
 
 from benchmarks.editor_client import Client
 
+from .client import served
+from .test_language_server import DRIVE
+
 ROOT = Path(__file__).resolve().parents[4]
 FOLDER = ROOT / "editors" / "vscode"
 SCRIPT = (FOLDER / "extension.js").read_text("utf-8")
@@ -42,10 +45,7 @@ const known = { vscode, "vscode-languageclient/node": { LanguageClient } };
 const load = Module._load;
 Module._load = (name, ...rest) => known[name] ?? load(name, ...rest);
 const extension = require(script);
-extension.activate({ subscriptions: [] }).then(() => {
-  const hints = noted.options.middleware.provideInlayHints(1, 2, 3, () => ["a hint"]);
-  console.log(JSON.stringify({ ...noted, hints }));
-});
+extension.activate({ subscriptions: [] }).then(() => console.log(JSON.stringify(noted)));
 """
 
 
@@ -67,16 +67,31 @@ def test_it_starts_the_server_in_the_folder_of_the_project(tmp_path: Path) -> No
     server = {"command": "pirate", "args": ["lsp"], "options": {"cwd": str(tmp_path)}}
     assert noted["server"] == server
     assert noted["options"]["documentSelector"] == [{"scheme": "file", "language": "yaml"}]
-    assert noted["hints"] == ["a hint"]
     assert noted["command"] in [each["command"] for each in MANIFEST["contributes"]["commands"]]
 
 
 def test_its_settings_are_obeyed(tmp_path: Path) -> None:
-    noted = started(tmp_path, path=".venv/bin/pirate", outside=True, hints=False)
+    noted = started(tmp_path, path=".venv/bin/pirate", outside=True)
 
     assert noted["server"]["command"] == str(tmp_path / ".venv" / "bin" / "pirate")
     assert noted["server"]["args"] == ["lsp", "--outside"]
-    assert noted["hints"] == []
+
+
+def test_the_server_gets_the_settings_that_it_obeys(tmp_path: Path) -> None:
+    pytest.importorskip("pygls")
+    section = started(tmp_path)["options"]["synchronize"]["configurationSection"]
+    with served() as client:
+        client.begin(tmp_path)
+        client.put(tmp_path / "drive.yaml", DRIVE)
+        whole = {"start": {"line": 0, "character": 0}, "end": {"line": 99, "character": 0}}
+
+        def hints(*, wanted: bool) -> Any:
+            settings = {"settings": {section: {"hints": wanted}}}
+            client.send("workspace/didChangeConfiguration", settings)
+            return client.about("inlayHint", tmp_path / "drive.yaml", range=whole)
+
+        assert f"{section}.hints" in MANIFEST["contributes"]["configuration"]["properties"]
+        assert (bool(hints(wanted=True)), hints(wanted=False)) == (True, [])
 
 
 def test_a_command_that_is_not_there_is_said_with_what_helps(tmp_path: Path) -> None:
@@ -104,7 +119,7 @@ def test_what_it_starts_answers_as_a_server(tmp_path: Path) -> None:
 
 def test_every_setting_that_it_reads_is_declared_and_the_other_way_round() -> None:
     declared = MANIFEST["contributes"]["configuration"]["properties"]
-    read = re.findall(r'\.get\("(\w+)"\)', SCRIPT)
+    read = [*re.findall(r'\.get\("(\w+)"\)', SCRIPT), "hints"]  # the server reads that one
 
     assert {f"pirateSm.{name}" for name in read} == {*declared}
     assert all(each["description"] for each in declared.values())
