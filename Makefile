@@ -54,7 +54,7 @@ help:
 	@echo "make mutants 250 small faults in the code, to be found by the tests (an hour)"
 	@echo "make golden  the golden traces, help texts and pictures of screens anew, after a change that is meant"
 	@echo "make docs    the documentation site, in build/site, with warnings as errors"
-	@echo "make pictures the documents' pictures of pages in Chromium anew, and of cameras"
+	@echo "make pictures the documents' pictures of pages in Chromium, of Neovim and of cameras anew"
 	@echo "make schemas the JSON Schemas anew, after a change of models or of a robot"
 	@echo "make vscode  the extension for Visual Studio Code, build/pirate-sm.vsix; it needs npm"
 	@echo "make format  every Python file in the one style"
@@ -251,7 +251,7 @@ $(VENV)/.ready-campaign: EXTRAS := jit,campaign
 $(VENV)/.ready-learning: EXTRAS := dev,jit,gym
 $(VENV)/.ready-browser: EXTRAS := browser,dev,jit,page
 $(VENV)/.ready-docs: EXTRAS := docs,jit,gym
-$(VENV)/.ready-pictures: EXTRAS := browser,jit,vision
+$(VENV)/.ready-pictures: EXTRAS := browser,jit,lsp,vision
 $(VENV)/.ready-bench: EXTRAS := bench,jit,campaign,gym
 $(VENV)/.ready-vision: EXTRAS := jit,vision
 $(VENV)/.ready-soak: EXTRAS := jit,serial

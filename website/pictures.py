@@ -1,4 +1,4 @@
-"""The documents' pictures that are no drawings: pages in Chromium, and what cameras see.
+"""The documents' pictures that are no drawings: pages in Chromium, an editor, and what cameras see.
 
 `make pictures` takes them anew. A picture of a page depends on the browser and its fonts, so tests
 do not compare it: `made_of.json` beside it says of which page it was taken, and they compare that.
@@ -22,6 +22,7 @@ from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import commands, only_run
 from website.camera_pictures import MOMENTS, QUALITY, seen
+from website.editor_pictures import take_editor_pictures
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "pictures"
@@ -97,7 +98,7 @@ def take() -> None:
     """Take every picture anew.
 
     Raises:
-        SystemExit: There is no Chromium.
+        SystemExit: There is no Chromium, Neovim or tmux.
     """
     from playwright.sync_api import sync_playwright  # noqa: PLC0415 - tests need none
 
@@ -124,6 +125,7 @@ def take() -> None:
                 window.wait_for_timeout(300)  # the page draws with the screen
             window.screenshot(path=PICTURES / name)
         chromium.close()
+    known |= take_editor_pictures(PICTURES)
     MADE_OF.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
     write_camera_pictures()
 

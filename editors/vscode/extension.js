@@ -9,7 +9,7 @@ let client;
 
 /** Return the command line of the server, and the folder that it starts in. */
 function server() {
-  const settings = vscode.workspace.getConfiguration("pirateSm");
+  const settings = vscode.workspace.getConfiguration("pirate_sm");
   const folder = vscode.workspace.workspaceFolders?.[0]?.uri.fsPath;
   const named = settings.get("path");
   const command = named.includes("/") && folder ? path.resolve(folder, named) : named;
@@ -19,14 +19,14 @@ function server() {
 
 async function start() {
   const line = server();
-  client = new LanguageClient("pirateSm", "pirate_sm", line, {
+  client = new LanguageClient("pirate_sm", "pirate_sm", line, {
     documentSelector: [{ scheme: "file", language: "yaml" }],
-    synchronize: { configurationSection: "pirateSm" },
+    synchronize: { configurationSection: "pirate_sm" },
   });
   try {
     await client.start();
   } catch (error) {
-    const help = "Install it with pip install 'pirate-sm[lsp]', or set pirateSm.path.";
+    const help = "Install it with pip install 'pirate-sm[lsp]', or set pirate_sm.path.";
     vscode.window.showErrorMessage(`${line.command} lsp cannot be started: ${error.message}. ${help}`);
   }
 }
@@ -46,11 +46,11 @@ async function restart() {
 
 async function activate(context) {
   const changed = vscode.workspace.onDidChangeConfiguration((event) => {
-    if (["path", "outside"].some((name) => event.affectsConfiguration(`pirateSm.${name}`))) {
+    if (["path", "outside"].some((name) => event.affectsConfiguration(`pirate_sm.${name}`))) {
       return restart();
     }
   });
-  context.subscriptions.push(changed, vscode.commands.registerCommand("pirateSm.restart", restart));
+  context.subscriptions.push(changed, vscode.commands.registerCommand("pirate_sm.restart", restart));
   await start();
 }
 

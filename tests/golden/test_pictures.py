@@ -12,6 +12,7 @@ import pytest
 from pirate_sm.robot.vision.opencv import cv2
 from website.bend import PICTURE, drawn
 from website.camera_pictures import MOMENTS, seen
+from website.editor_pictures import made_of_answers
 from website.pictures import MADE_OF, PICTURES, SHOTS, made_of, page_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -26,6 +27,14 @@ def test_a_picture_of_a_page_was_taken_of_the_page_as_it_is(
     known = json.loads(MADE_OF.read_text("utf-8"))
 
     assert made_of(page_of(SHOTS[name], tmp_path)) == known[name], "another page: make pictures"
+
+
+@pytest.mark.thorough
+def test_a_picture_of_an_editor_was_taken_of_what_the_server_answers(tmp_path: Path) -> None:
+    pytest.importorskip("pygls")
+    known = json.loads(MADE_OF.read_text("utf-8"))
+
+    assert made_of_answers(tmp_path).items() <= known.items(), "other answers: make pictures"
 
 
 @pytest.mark.thorough

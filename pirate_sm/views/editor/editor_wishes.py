@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any
 
 from lsprotocol import types
 from pygls.lsp.server import LanguageServer
 
-_SECTION: Final = "pirateSm"
-"""What the settings are called in an editor."""
+from pirate_sm.views.editor.shown_findings import SOURCE
 
 
 class EditorWishes:
@@ -38,7 +37,7 @@ class EditorWishes:
 
     def change(self, said: types.DidChangeConfigurationParams) -> None:
         """Use other settings."""
-        self.take(said.settings.get(_SECTION) if isinstance(said.settings, dict) else None)
+        self.take(said.settings.get(SOURCE) if isinstance(said.settings, dict) else None)
         self.refresh_hints()
 
     def refresh_hints(self) -> None:

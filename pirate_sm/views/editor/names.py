@@ -88,7 +88,7 @@ class Names:
         """Return where files lack a name when it is changed at some spots of one file."""
         changed = self._changed(spots, word)
         found: dict[NameAt, None] = {}
-        for path in paths:
+        for path in (each for each in paths if word in self.text_of(each)):
             errors = self.load(changed, path).errors - self._known(path).errors
             for place, _ in sorted(errors):
                 file = os.path.realpath(place.file)

@@ -121,7 +121,7 @@ def test_every_setting_that_it_reads_is_declared_and_the_other_way_round() -> No
     declared = MANIFEST["contributes"]["configuration"]["properties"]
     read = [*re.findall(r'\.get\("(\w+)"\)', SCRIPT), "hints"]  # the server reads that one
 
-    assert {f"pirateSm.{name}" for name in read} == {*declared}
+    assert {f"pirate_sm.{name}" for name in read} == {*declared}
     assert all(each["description"] for each in declared.values())
 
 

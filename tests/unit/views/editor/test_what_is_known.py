@@ -179,7 +179,7 @@ def test_the_editor_can_switch_hints_off(client: Client) -> None:
     path = Path.cwd() / "drive.yaml"
     client.put(path, DRIVE)
     for wanted in (False, True):
-        settings = {"settings": {"pirateSm": {"hints": wanted}}}
+        settings = {"settings": {"pirate_sm": {"hints": wanted}}}
         client.send("workspace/didChangeConfiguration", settings)
         assert bool(client.about("inlayHint", path, range=EVERYTHING)) is wanted
 
