@@ -26,8 +26,14 @@ from pirate_sm.running.wiring import Prepared, answers
 
 if TYPE_CHECKING:
     from pirate_sm.core.engine import EngineState
-    from pirate_sm.robot.control_panel.panel_reader import PanelCompanion, PanelReader
+    from pirate_sm.robot.control_panel.panel_reader import (
+        EndRun,
+        PanelCompanion,
+        PanelReader,
+        PressSource,
+    )
     from pirate_sm.robot.detectors.simple_detectors import Keys, WordKeys
+    from pirate_sm.views.report.page_process import PageProcess
 
 
 # --- the keyboard -------------------------------------------------------------------------------
@@ -210,32 +216,68 @@ class People(NamedTuple):
         operator: Answers questions, from the keyboard and the panel.
         words: Says the detector's words from the keyboard.
         panel: Does all else that a panel does.
+        page: Does what is pressed on the page.
     """
 
     operator: Operator | None = None
     words: WordKeys | None = None
     panel: PanelCompanion | None = None
+    page: PanelCompanion | None = None
 
 
-def open_panel(prepared: Prepared, requests: StopRequests, stack: ExitStack) -> PanelReader | None:
-    """Open the panel of the run for as long as the stack lasts; return None if it has none.
+class Desk(NamedTuple):
+    """Where people can press buttons during a run.
+
+    Attributes:
+        panel: The control panel, opened; None: the run has none.
+        page: The page of the run; None: it has none.
+    """
+
+    panel: PanelReader | None
+    page: PageProcess | None
+
+
+def open_desk(prepared: Prepared, requests: StopRequests, stack: ExitStack, *, page: bool) -> Desk:
+    """Open the panel of the run, if it has one, for as long as the stack lasts.
+
+    Args:
+        prepared: The run.
+        requests: Receives its stop.
+        stack: Closes what is opened.
+        page: Whether the run has a page.
 
     Raises:
-        UsageError: Its device is not there or cannot be opened.
+        UsageError: The panel's device is not there or cannot be opened, or the page not be served.
     """
-    if prepared.panel is None:
-        return None
 
     def end_run(reason: str) -> None:
         requests.ask(Stop(reason, ExitCode.INTERRUPTED))
 
-    return stack.enter_context(prepared.panel.reader(end_run))
+    panel = shown = None
+    if prepared.panel is not None:
+        panel = stack.enter_context(prepared.panel.reader(end_run))
+    if page:
+        shown = stack.enter_context(page_process(prepared, end_run))
+    return Desk(panel, shown)
+
+
+def page_process(prepared: Prepared, end_run: EndRun) -> PageProcess:
+    """Return the page of this run, and of others with the same robot after it.
+
+    Raises:
+        UsageError: It cannot be served.
+    """
+    from pirate_sm.views.report.page_process import PageProcess
+
+    return PageProcess(
+        () if prepared.others_words else prepared.loaded.robot.detector_words, end_run
+    )
 
 
 def people_of(
     prepared: Prepared,
     options: RunOptions,
-    reader: PanelReader | None,
+    desk: Desk,
     stack: ExitStack,
     *,
     on_terminal: bool,
@@ -246,7 +288,7 @@ def people_of(
     Args:
         prepared: The run.
         options: Its options.
-        reader: The panel, opened.
+        desk: Where they can press buttons.
         stack: Gives the keyboard back at its end.
         on_terminal: Whether an operator reads standard output.
         live: Whether the run is redrawn in place, with its questions.
@@ -256,14 +298,16 @@ def people_of(
     """
     shown = sys.stdout if on_terminal else sys.stderr
     present = shown is not None and shown.isatty() and can_type()
-    panel = _panel(prepared, reader)
+    panel = _presses(prepared, desk.panel, keyboard=can_type())
+    page = _presses(prepared, desk.page, keyboard=True, watching=False)
     by_keys = prepared.detector == "operator" and present and on_terminal
-    if prepared.detector == "operator" and not by_keys and not (panel and panel.says_words):
+    says_words = by_keys or any(each is not None and each.says_words for each in (panel, page))
+    if prepared.detector == "operator" and not says_words:
         raise UsageError("--detector operator needs a terminal to show the run and read keys")
     answering = present or (panel is not None and panel.answers)
     asked = answering and not options.yes and not prepared.attended
     if not (asked or by_keys):
-        return People(panel=panel)
+        return People(panel=panel, page=page)
     from pirate_sm.robot.detectors.simple_detectors import LETTERS, WordKeys
 
     def show(text: str) -> None:
@@ -279,20 +323,24 @@ def people_of(
             robot, valid_for_s = prepared.loaded.robot, _valid_for_s(prepared)
             words = WordKeys(keys.words, robot.detector_words, valid_for_s)
     operator = Operator(AllKeys(sources), answers(prepared.loaded), show) if asked else None
-    return People(operator, words, panel)
+    return People(operator, words, panel, page)
 
 
-def _panel(prepared: Prepared, reader: PanelReader | None) -> PanelCompanion | None:
-    if reader is None:
+def _presses(
+    prepared: Prepared, source: PressSource | None, *, keyboard: bool, watching: bool = True
+) -> PanelCompanion | None:
+    """Return what does as is pressed there; None where nothing can be pressed."""
+    if source is None:
         return None
     from pirate_sm.robot.control_panel.panel_reader import PanelCompanion
 
     return PanelCompanion(
-        reader,
+        source,
         prepared.loaded.robot,
         speaks=prepared.others_words,
         valid_for_s=_valid_for_s(prepared),
-        keyboard=can_type(),
+        keyboard=keyboard,
+        watching=watching,
     )
 
 

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from pirate_sm.running.recording.write.recorder import Recorder
     from pirate_sm.running.recording.write.recording_file import RecordingFile
     from pirate_sm.running.wiring import Prepared
+    from pirate_sm.views.report.page_process import PageProcess
 
 
 # --- a new file ---------------------------------------------------------------------------------
@@ -111,13 +112,13 @@ class RecordingOptions:
         record: The file; None for the default name.
         off: Whether nothing is recorded.
         live: Whether viewers are served during the run.
-        page: Whether its page is.
+        page: Its page; None: it has none.
     """
 
     record: str | None = None
     off: bool = False
     live: bool = False
-    page: bool = False
+    page: PageProcess | None = None
 
 
 @contextmanager
@@ -156,13 +157,14 @@ def recorded(
             return
         place = path if file else None
         said = (f"recording: {shown(place)}",) if place else ()
-        recording = RunRecorder(prepared, header, file, live, watched=options.page)
+        recording = RunRecorder(prepared, header, file, live, watched=options.page is not None)
         recorder, side = recording.recorder, recording.side
         warner = Warner(recorder)
         kept = Kept(prepared, recording, (warner,))
         try:
-            if options.page and place is not None:
-                served += _page(place, stack)
+            if options.page is not None and place is not None:
+                served += (f"page: open {options.page.address} in a browser",)
+                kept.companions += (options.page.follow(place),)
             kept.prepared = replace(prepared, notices=(*prepared.notices, *served, *said))
             yield kept
         finally:
@@ -175,20 +177,21 @@ def recorded(
                 say(f"warning: viewers get incomplete data: {side.failure}")
 
 
-def _place(prepared: Prepared, options: RecordingOptions, began: datetime) -> RecordingPlace | None:
-    """Return where the run is recorded; None if it is not.
+def check_page(prepared: Prepared, options: RecordingOptions) -> None:
+    """Check that there is something for a page to show.
 
     Raises:
-        UsageError: The page of the run is asked for, and nothing is recorded.
+        UsageError: Nothing is recorded.
     """
-    where = None
-    if options.record is not None:
-        where = RecordingPlace(Path(options.record), named=True)
-    elif not options.off:
-        where = usual_place(prepared, began)
-    if where is None and options.page:
+    if _place(prepared, options, datetime.now(UTC)) is None:
         raise UsageError("--page shows what is recorded, and nothing is")
-    return where
+
+
+def _place(prepared: Prepared, options: RecordingOptions, began: datetime) -> RecordingPlace | None:
+    """Return where the run is recorded; None if it is not."""
+    if options.record is not None:
+        return RecordingPlace(Path(options.record), named=True)
+    return None if options.off else usual_place(prepared, began)
 
 
 def _live(options: RecordingOptions, stack: ExitStack) -> tuple[Live | None, tuple[str, ...]]:
@@ -200,19 +203,6 @@ def _live(options: RecordingOptions, stack: ExitStack) -> tuple[Live | None, tup
     live = Live()
     stack.callback(live.close)
     return live, (f"live: open {live.address} in Foxglove or Lichtblick",)
-
-
-def _page(recording: Path, stack: ExitStack) -> tuple[str, ...]:
-    """Serve the page of the run, and return notices about it.
-
-    Raises:
-        UsageError: It cannot be served.
-    """
-    from pirate_sm.views.report.page_process import PageProcess
-
-    page = PageProcess(recording)
-    stack.callback(page.close)
-    return (f"page: open {page.address} in a browser",)
 
 
 def until_when(recorder: Recorder) -> str:

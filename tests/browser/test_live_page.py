@@ -14,6 +14,7 @@ from pirate_sm.running.recording.read import growing
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.replay import rerun
+from pirate_sm.views.report.acting import Acting
 from tests.late import late
 
 from .conftest import Opened
@@ -25,6 +26,8 @@ pytestmark = pytest.mark.browser
 
 page_server = late("pirate_sm.views.report.page_server")
 
+BUTTONS = ["stop", "pause", "continue", "word near"]
+
 
 class Growing:
     """A recording that a test writes piece by piece, and the server of its page."""
@@ -35,6 +38,8 @@ class Growing:
         self._whole, self._path = source.read_bytes(), path
         self._marks = [piece.at + piece.size for piece in pieces]
         self.address, self._ready = "", threading.Event()
+        self.pressed: list[str] = []
+        self.acting = Acting(BUTTONS, lambda name: not self.pressed.append(name))
         self._over: asyncio.Event | None = None
         self.has(1)
         self._thread = threading.Thread(target=self._work)
@@ -73,7 +78,7 @@ class Growing:
         def said(address: str) -> None:
             self.address = address
 
-        asyncio.run(page_server.serve(self._path, 0, said, until))
+        asyncio.run(page_server.serve(self._path, 0, said, until, self.acting))
 
 
 @pytest.fixture
@@ -261,10 +266,13 @@ def test_nothing_of_a_page_of_a_run_is_cut_off(
     grow: Callable[[str], Growing], watch: Callable[..., Opened], wide: int, scheme: str
 ) -> None:
     run = grow("dead")
-    it = watch(run.address, wide=wide, scheme=scheme)
+    it = watch(f"{run.address}#{run.acting.token}", wide=wide, scheme=scheme)
     reaches(it, run.has(0.6))
 
     assert it.page.evaluate("document.documentElement.scrollWidth") == wide
+    for button in it.page.locator("#acting button").all():
+        box = button.bounding_box() or {}
+        assert 0 <= box["x"] <= box["x"] + box["width"] <= wide
     assert it.page.locator("#follow-run").is_visible()
     assert it.said == []
 
@@ -284,3 +292,65 @@ def test_the_current_phase_is_lit_and_its_lines_are_shown(
     assert lines.locator("pre").inner_text().strip().startswith(f"{lit}:")
     it.page.locator('#diagram [data-node="regrip"]').first.click()
     assert lines.locator("pre").inner_text().strip().startswith("regrip:")
+
+
+def test_who_has_the_token_acts_and_is_told_what_became_of_it(
+    grow: Callable[[str], Growing], watch: Callable[..., Opened]
+) -> None:
+    run = grow("bend")
+    it = watch(f"{run.address}#{run.acting.token}")
+    reaches(it, run.has(0.5))
+    answered = it.page.locator("#answered")
+
+    for name, button in (("Pause the mission", "pause"), ("Say: near", "word near")):
+        it.page.get_by_role("button", name=name, exact=True).click()
+        it.page.wait_for_function(
+            "text => document.getElementById('answered').innerText === text", arg=f"{name}: sent"
+        )
+        assert run.pressed[-1] == button
+    it.page.reload()  # the token stays in the address
+    it.page.get_by_role("button", name="STOP", exact=True).press("Enter")
+    it.page.wait_for_function(
+        "() => document.getElementById('answered').innerText.includes('watch the robot')"
+    )
+    assert run.pressed == ["pause", "word near", "stop"]
+
+    run.end()
+    it.page.locator("#acting").wait_for(state="hidden")
+    run.stop()
+    assert it.said == []
+    assert answered.is_hidden()
+
+
+def test_who_has_no_token_watches_and_is_told_where_it_is(
+    grow: Callable[[str], Growing], watch: Callable[..., Opened]
+) -> None:
+    run = grow("bend")
+    it = watch(run.address)
+    reaches(it, run.has(0.5))
+
+    assert it.page.locator("#acting button:visible").count() == 0
+    assert "the address that the run printed" in it.page.locator("#answered").inner_text()
+    it.page.evaluate("location.hash = 'wrong'")
+    it.page.get_by_role("button", name="STOP", exact=True).click()
+    it.page.wait_for_function(
+        "() => document.getElementById('answered').innerText.startsWith('Only who has the token')"
+    )
+    assert run.pressed == []
+    refused = [each for each in it.said if "403" in each]  # as the browser says it
+    assert it.said == refused
+
+
+def test_a_press_that_reaches_nobody_is_not_said_to_be_sent(
+    grow: Callable[[str], Growing], watch: Callable[..., Opened]
+) -> None:
+    run = grow("bend")
+    it = watch(f"{run.address}#{run.acting.token}")
+    reaches(it, run.has(0.5))
+    run.stop()
+
+    it.page.get_by_role("button", name="STOP", exact=True).click()
+
+    it.page.wait_for_function(
+        "() => document.getElementById('answered').innerText.startsWith('STOP is not sent')"
+    )

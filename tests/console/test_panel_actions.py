@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from pirate_sm.core import library
+from pirate_sm.core.events import GoTo, Pause
 from pirate_sm.core.loading import load_robot
 from pirate_sm.robot.control_panel.panel_file import load_panel
 from pirate_sm.robot.control_panel.panel_reader import Connection, Happening, PanelReader
@@ -19,6 +20,7 @@ from pirate_sm.running.wiring import Order, Prepared
 from pirate_sm.views.console.app import Console
 from pirate_sm.views.console.dialogs import Confirm, Pick
 from pirate_sm.views.console.session import OperatorSession
+from pirate_sm.views.report.page_process import page_buttons
 
 from .driving import WALL_S, Operator, by_hand, confirming, operator, played, with_mission
 
@@ -214,5 +216,31 @@ def test_the_stop_of_the_panel_reaches_the_robot_while_the_console_is_busy(midi:
                 # The console's own loop does not run here: nothing is awaited.
                 assert asked.wait(WALL_S)
                 me.until(me.wheels_stand)
+
+    played(story)
+
+
+def test_what_is_pressed_on_the_page_does_what_the_keys_do_and_says_where_it_was_pressed() -> None:
+    async def story() -> None:
+        desk, buttons, given = Desk(), page_buttons([]), list[Any]()
+        mission = with_mission("mitre_bend", backend="trace")
+        async with operator(mission, size=SMALL, console=desk.console()) as me:
+            give = me.session.give_event
+
+            def note(event: Any) -> None:
+                given.append(event)
+                give(event)
+
+            me.session.give_event = note  # type: ignore[method-assign]
+            for button in ("continue", "pause"):
+                desk.waiting = [Press("page", buttons[button], by="page")]
+                me.app.heed_panel()
+                await me.look()
+                me.wait(0.1)
+                await me.look()
+            assert [type(each) for each in given] == [GoTo, Pause]
+            assert [each.by for each in given] == ["page", "page"]
+            assert me.latest.state is not None
+            assert me.latest.state.mission.paused
 
     played(story)

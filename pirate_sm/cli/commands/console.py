@@ -11,21 +11,23 @@ from pirate_sm.cli.errors import say, say_bug
 from pirate_sm.cli.options.declaring import read_speed
 from pirate_sm.cli.options.running import ConsoleOptions
 from pirate_sm.cli.output.terminal import is_terminal, progress, shows_signs
-from pirate_sm.cli.run_recording import RecordingOptions, recorded
+from pirate_sm.cli.people import page_process
+from pirate_sm.cli.run_recording import RecordingOptions, check_page, recorded
 from pirate_sm.core.errors import ExitCode, UsageError
 from pirate_sm.core.generated_missions import BY_HAND
 from pirate_sm.core.palette import Theme
 from pirate_sm.core.visible import visible
-from pirate_sm.running.runtime.ending import CaughtSignals, StopRequests
+from pirate_sm.running.runtime.ending import CaughtSignals, Stop, StopRequests
 from pirate_sm.running.wiring import Order, Prepared, load, prepare
 
 if TYPE_CHECKING:
     from pirate_sm.core.loading import LoadedMission
-    from pirate_sm.robot.control_panel.panel_reader import PanelReader
+    from pirate_sm.robot.control_panel.panel_reader import PressSource
     from pirate_sm.running.runtime.pump import Resuming
     from pirate_sm.running.wiring.run_recorder import Kept
     from pirate_sm.views.console.app import Console
     from pirate_sm.views.console.session import OperatorSession
+    from pirate_sm.views.report.page_process import PageProcess
 
 _LOOK_EVERY_S = 0.1
 
@@ -50,7 +52,6 @@ def open_console(options: ConsoleOptions) -> int:
     _check_terminal()
     if order.mission.endswith(RECORDING):
         return _view(order.mission, options.theme)
-    recording = RecordingOptions(None, options.no_record, options.live)
     requests = StopRequests()
     if options.resume is not None:
         from pirate_sm.cli.commands.resume import resume_dialog
@@ -60,7 +61,7 @@ def open_console(options: ConsoleOptions) -> int:
             chosen = dialog.decide()
         if chosen is None:
             return dialog.code
-        session = _session(chosen[0], factor, recording, chosen[1], dialog.prepared.loaded)
+        opened = _session(chosen[0], options, factor, chosen[1], dialog.prepared.loaded)
     elif options.at:
         raise UsageError("--at: only together with --resume")
     else:
@@ -74,19 +75,25 @@ def open_console(options: ConsoleOptions) -> int:
             with CaughtSignals(requests):
                 prepared, begun = take_over(unchecked, options, requests)
             prepared = replace(prepared, order=replace(prepared.order, check=order.check))
-        session = _session(prepared, factor, recording, begun)
+        opened = _session(prepared, options, factor, begun)
     from pirate_sm.views.console.app import Console
     from pirate_sm.views.console.check_process import CheckProcess
     from pirate_sm.views.console.session import Watchdog, ender
     from pirate_sm.views.console.terminal_driver import StopDriver
 
     sys.setswitchinterval(SWITCH_EVERY_S)
+    session, page = opened
     with ExitStack() as stack, CaughtSignals(session.quitting, ends_process=True):
+        pressed: list[PressSource] = [stack.enter_context(each) for each in (page,) if each]
         Watchdog(session.quitting, ender()).start()
         checking = CheckProcess(lambda: session.quitting.stop is not None)
         ask = stack.enter_context(checking).ask
-        panel = _panel(session, stack)
-        app = Console(session, panel, ask_check=ask, theme=options.theme, driver_class=StopDriver)
+        if session.prepared.panel is not None:
+            reader = session.prepared.panel.reader(lambda reason: session.stop())
+            pressed.append(stack.enter_context(reader))
+        app = Console(
+            session, *pressed, ask_check=ask, theme=options.theme, driver_class=StopDriver
+        )
         try:
             app.run()
         except Exception as error:
@@ -96,16 +103,6 @@ def open_console(options: ConsoleOptions) -> int:
             while not session.join(_LOOK_EVERY_S):
                 pass  # a second signal may come meanwhile
     return _conclude(app, session, options.debug)
-
-
-def _panel(session: OperatorSession, stack: ExitStack) -> PanelReader | None:
-    """Return the panel of the session, open until the stack ends; None if there is none.
-
-    Raises:
-        UsageError: Its device is not there or cannot be opened.
-    """
-    chosen = session.prepared.panel
-    return stack.enter_context(chosen.reader(lambda reason: session.stop())) if chosen else None
 
 
 def _check_terminal() -> None:
@@ -125,20 +122,34 @@ def _check_terminal() -> None:
 
 def _session(
     prepared: Prepared,
+    options: ConsoleOptions,
     factor: float,
-    recording: RecordingOptions,
     resuming: Resuming | None = None,
     then: LoadedMission | None = None,
-) -> OperatorSession:
-    """Return a session of the console with a recording of each mission."""
+) -> tuple[OperatorSession, PageProcess | None]:
+    """Return a session of the console with a recording of each mission, and the page of its runs.
+
+    Raises:
+        UsageError: The page is asked for, and cannot be served or nothing is recorded.
+    """
     from pirate_sm.views.console.session import OperatorSession, unkept
+
+    recording = RecordingOptions(None, options.no_record, options.live)
+    if options.page:
+
+        def end_run(reason: str) -> None:
+            session.stop(Stop(reason, ExitCode.SUCCEEDED))
+
+        check_page(prepared, recording)
+        recording = replace(recording, page=page_process(prepared, end_run))
 
     def keep(prepared: Prepared) -> AbstractContextManager[Kept]:
         if prepared.loaded.mission.mission == BY_HAND:
             return unkept(prepared)
         return recorded(prepared, recording, factor)
 
-    return OperatorSession(prepared, factor=factor, keep=keep, resuming=resuming, then=then)
+    session = OperatorSession(prepared, factor=factor, keep=keep, resuming=resuming, then=then)
+    return session, recording.page
 
 
 def _view(path: str, theme: Theme) -> int:

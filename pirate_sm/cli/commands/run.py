@@ -9,6 +9,7 @@ import stat
 import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, ExitStack
+from dataclasses import replace
 from math import inf
 from typing import NamedTuple, Protocol, TextIO
 
@@ -17,8 +18,8 @@ from pirate_sm.cli.options.declaring import read_speed
 from pirate_sm.cli.options.running import RunOptions
 from pirate_sm.cli.output.event_lines import EventLines, JsonLines, ObservedRun, SaysWhyItWaits
 from pirate_sm.cli.output.terminal import agree, is_terminal, shows_signs
-from pirate_sm.cli.people import People, open_panel, people_of
-from pirate_sm.cli.run_recording import RecordingOptions, recorded
+from pirate_sm.cli.people import People, open_desk, people_of
+from pirate_sm.cli.run_recording import RecordingOptions, check_page, recorded
 from pirate_sm.core.companion import Companion, entered
 from pirate_sm.core.errors import ExitCode, UsageError
 from pirate_sm.core.library import shown
@@ -95,16 +96,19 @@ def _shown(
     Returns:
         Its result, None if nothing could be written; its recording.
     """
-    recording = RecordingOptions(options.record, options.no_record, options.live, options.page)
+    recording = RecordingOptions(options.record, options.no_record, options.live)
+    if options.page:
+        check_page(prepared, recording)
     with ExitStack() as stack:
-        panel = open_panel(prepared, requests, stack)
+        desk = open_desk(prepared, requests, stack, page=options.page)
+        recording = replace(recording, page=desk.page)
         kept = stack.enter_context(
             recorded(prepared, recording, manner.factor, quiet=options.quiet)
         )
         observed = ObservedRun(kept.prepared)
         stack.enter_context(entered(prepared.companions))
         on_terminal, live = manner.on_terminal, manner.live
-        people = people_of(prepared, options, panel, stack, on_terminal=on_terminal, live=live)
+        people = people_of(prepared, options, desk, stack, on_terminal=on_terminal, live=live)
         output = _output(observed, options, manner, people)
         companions = _companions(prepared, kept, people, yes=options.yes)
         run = _mission_run(prepared, kept, output, companions, manner, requests, resuming)
@@ -143,7 +147,7 @@ def _mission_run(
 
 def _companions(prepared: Prepared, kept: Kept, people: People, *, yes: bool) -> list[Companion]:
     """Return the companions of the mission, with one that answers its questions."""
-    operator, words, panel = people
+    operator, words, panel, page = people
     companions: list[Companion] = [*prepared.companions, *kept.companions]
     if panel or (operator and answers(prepared.loaded)):
         # A user may decide differently the next time.
@@ -151,7 +155,7 @@ def _companions(prepared: Prepared, kept: Kept, people: People, *, yes: bool) ->
     if not prepared.attended:
         nobody = FirstChoice("--yes") if yes else FirstChoice("no terminal", "warning")
         companions.append(operator or nobody)
-    return companions + [each for each in (words, panel) if each is not None]
+    return companions + [each for each in (words, panel, page) if each is not None]
 
 
 def _begun(output: Output) -> bool:

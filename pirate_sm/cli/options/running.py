@@ -40,6 +40,9 @@ class _RobotRunOptions(CommandOptions):
     live: bool = ahead_of(
         "jitter", flag("Stream to Foxglove or Lichtblick on this machine.", "--live")
     )
+    page: bool = ahead_of(
+        "jitter", flag("Serve the report to browsers on this machine, during the run.", "--page")
+    )
 
     def order(self) -> Order:
         """Return the order of the run; without a mission its name is empty.
@@ -66,9 +69,6 @@ class RunOptions(_RobotRunOptions):
     written: Mapping[str, Any] = of_all_runs(jitter=True)
     mission: str | None = argument(
         "[MISSION]", candidates.missions, "A shipped mission's name, or a file.", default=None
-    )
-    page: bool = ahead_of(
-        "jitter", flag("Serve the report to browsers on this machine, during the run.", "--page")
     )
     resume: str | None = ahead_of(
         "jitter", option("RUN.mcap", candidates.recordings, "Resume an interrupted run.")

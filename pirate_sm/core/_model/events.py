@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from math import inf, isnan, nan
 from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
 
-ALPHABET_VERSION = 10
+ALPHABET_VERSION = 11
 
-READABLE_ALPHABETS = (5, 6, 7, 8, 9, 10)
+READABLE_ALPHABETS = (5, 6, 7, 8, 9, 10, 11)
 """Recordings of these are read: 6 has an event more than 5."""
 
 EVIDENCE_ENDS = 10
@@ -42,10 +42,15 @@ class SensorFrame(NamedTuple):
 
 
 class DetectorWord(NamedTuple):
-    """A detector has reported a word, which is valid for ``valid_for_s`` or until the next one."""
+    """A detector has reported a word, which is valid for ``valid_for_s`` or until the next one.
+
+    Attributes:
+        by: Where an operator has said it, such as ``page``; empty for a detector and a keyboard.
+    """
 
     word: str
     valid_for_s: float
+    by: str = ""
 
 
 class EnvironmentReport(NamedTuple):
@@ -160,15 +165,33 @@ class Answer(NamedTuple):
 
 
 class Pause(NamedTuple):
-    """The operator pauses the mission, with the wheels stopped."""
+    """The operator pauses the mission, with the wheels stopped.
+
+    Attributes:
+        by: Where it was asked for, such as ``page``; empty for a keyboard and a panel.
+    """
+
+    by: str = ""
 
 
 class Resume(NamedTuple):
-    """The operator resumes a paused mission."""
+    """The operator resumes a paused mission.
+
+    Attributes:
+        by: Where it was asked for, such as ``page``; empty for a keyboard and a panel.
+    """
+
+    by: str = ""
 
 
 class Step(NamedTuple):
-    """The operator lets a paused mission execute one step and pause again."""
+    """The operator lets a paused mission execute one step and pause again.
+
+    Attributes:
+        by: Where it was asked for, such as ``page``; empty for a keyboard and a panel.
+    """
+
+    by: str = ""
 
 
 class GoTo(NamedTuple):
@@ -178,11 +201,13 @@ class GoTo(NamedTuple):
         phase: The phase.
         states: State of each region when the phase was found to be possible.
         unconfirmed: Regions that were unconfirmed then.
+        by: Where it was asked for, as in :class:`Pause`.
     """
 
     phase: str
     states: tuple[str, ...]
     unconfirmed: tuple[str, ...] = ()
+    by: str = ""
 
 
 class Skip(NamedTuple):

@@ -13,13 +13,13 @@ import select
 import stat
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from threading import Thread
-from typing import Literal, NamedTuple, Self, TypeAlias
+from typing import Literal, NamedTuple, Protocol, Self, TypeAlias, assert_never
 
 from pirate_sm.core.effects import Effect, Ended, Log
 from pirate_sm.core.engine import EngineState
@@ -37,6 +37,7 @@ from pirate_sm.core.events import (
 from pirate_sm.core.robot import RobotSpec, lets_all_go
 from pirate_sm.robot.control_panel.panel_file import (
     AnswerButton,
+    Button,
     CommandButton,
     Panel,
     RunAction,
@@ -208,6 +209,17 @@ class Connection(NamedTuple):
 Happening: TypeAlias = Press | Connection
 
 
+class PressSource(Protocol):
+    """Where an operator presses buttons: a control panel, or the page of a run."""
+
+    @property
+    def buttons(self) -> Collection[Button]:
+        """Return what its buttons do."""
+
+    def taken(self) -> Sequence[Happening]:
+        """Return what has happened since the last call, oldest first."""
+
+
 class PanelReader:
     """A connected panel, while it is entered.
 
@@ -259,6 +271,11 @@ class PanelReader:
         self._thread.join()
         os.close(self._woken)
         self._close()
+
+    @property
+    def buttons(self) -> Collection[Button]:
+        """Return what its buttons do."""
+        return self.panel.buttons.values()
 
     def taken(self) -> list[Happening]:
         """Return what has happened since the last call, oldest first."""
@@ -339,11 +356,9 @@ class PanelReader:
 LOOK_EVERY_S = 0.02
 """The longest delay of a press, except for a stop, which needs no companion."""
 
-_EVENTS: dict[RunAction, Event] = {"go": Resume(), "pause": Pause(), "step": Step(), "skip": Skip()}
-
 
 class PanelCompanion:
-    """A companion that reads a panel.
+    """A companion that reads a panel, or another place where an operator presses buttons.
 
     A command that lets go of the pipe must be pressed twice, whatever the panel's file says: the
     console would ask too.
@@ -354,24 +369,27 @@ class PanelCompanion:
         speaks: The detector that says the words, so that the panel may not; empty if none does.
         valid_for_s: How long a word is valid.
         keyboard: Whether a person also has a keyboard. Otherwise the loss of the panel is a fault.
+        watching: Whether an operator watches the robot as long as it runs; else only a paused
+            mission waits for one.
 
     Attributes:
-        listening: True until the run ends, because a person is watching the robot.
+        listening: Whether an operator is watching the robot or is waited for.
         says_words: Whether the panel has buttons for words; likewise ``answers``.
     """
 
     def __init__(
         self,
-        reader: PanelReader,
+        reader: PressSource,
         robot: RobotSpec,
         *,
         speaks: str,
         valid_for_s: float,
         keyboard: bool,
+        watching: bool = True,
     ) -> None:
         self.due_s = 0.0
-        self.listening = True
-        buttons = reader.panel.buttons.values()
+        self.listening = self._watching = watching
+        buttons = reader.buttons
         self.says_words = any(isinstance(each, WordButton) for each in buttons)
         self.answers = any(isinstance(each, AnswerButton) for each in buttons)
         self._reader = reader
@@ -398,6 +416,7 @@ class PanelCompanion:
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Take in what has happened on the panel; return messages for the operator."""
         self._logs = []
+        self.listening = self._watching or state.mission.paused
         for happening in self._reader.taken():
             if isinstance(happening, Connection):
                 self._connection(happening)
@@ -427,7 +446,7 @@ class PanelCompanion:
         asked, self._asked = self._asked, ("", -inf)
         match press.button:
             case RunButton(do=action):
-                self._events.append(_EVENTS[action])
+                self._events.append(_event(action, press.by))
             case CommandButton(command=command):
                 again = asked[0] == press.name and now_s <= asked[1] + TWICE_WITHIN_S
                 sure = again or press.button.twice
@@ -437,13 +456,31 @@ class PanelCompanion:
                     self._asked = press.name, now_s
                     self._ask(press.name, f"{command}, after which nothing holds the robot")
             case WordButton(word=word) if self._speaks:
-                said = f"'{word}' on the panel is ignored: the detector is {self._speaks}"
+                where = press.by or "panel"
+                said = f"'{word}' on the {where} is ignored: the detector is {self._speaks}"
                 self._logs.append(Log("warning", said))
             case WordButton(word=word):
-                self._events.append(DetectorWord(word, self._valid_for_s))
+                self._events.append(DetectorWord(word, self._valid_for_s, press.by))
             case AnswerButton(answer=number):
                 self._keys += str(number)
 
     def _ask(self, name: str, what: str) -> None:
         text = f"press {name} again within {TWICE_WITHIN_S:g} s: {what}"
         self._logs.append(Log("warning", text))
+
+
+def _event(action: RunAction, by: str) -> Event:
+    """Return the event of a press that acts on the run; one that ends it needs none."""
+    match action:
+        case "go":
+            return Resume(by)
+        case "pause":
+            return Pause(by)
+        case "step":
+            return Step(by)
+        case "skip":
+            return Skip()
+        case "stop" | "abort":
+            raise AssertionError(f"the reader itself acts on {action}")
+        case _:
+            assert_never(action)

@@ -96,11 +96,13 @@ class Press(NamedTuple):
         name: The button or the combination of buttons.
         button: What it does.
         asks: Whether it must be pressed once more before it acts.
+        by: Where, as events record it; empty for a control panel.
     """
 
     name: str
     button: kinds.Button
     asks: bool = False
+    by: str = ""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from textual.screen import Screen
 from textual.widgets import Footer
 
 from pirate_sm.core.palette import USUAL, Theme
-from pirate_sm.robot.control_panel.panel_reader import PanelReader
+from pirate_sm.robot.control_panel.panel_reader import PressSource
 from pirate_sm.running.runtime.ending import Stop
 from pirate_sm.views.console import availability, hand_back
 from pirate_sm.views.console.availability import (
@@ -64,7 +64,7 @@ class Console(PanelActions, RobotApp):
 
     Args:
         session: Runs the missions. It is started when the console is shown.
-        panel: A control panel, opened.
+        pressed: Where buttons are pressed: a control panel, opened, and the page of its runs.
         ask_check: Asks the check about missions, in a process of its own where a stop must not
             wait for the answer.
         frames_per_s: How often it shows the newest snapshot by itself; 0 is never.
@@ -114,8 +114,7 @@ class Console(PanelActions, RobotApp):
     def __init__(
         self,
         session: OperatorSession,
-        panel: PanelReader | None = None,
-        *,
+        *pressed: PressSource,
         ask_check: CheckCall = ask_here,
         frames_per_s: float = FRAMES_PER_S,
         theme: Theme = USUAL,
@@ -123,7 +122,7 @@ class Console(PanelActions, RobotApp):
     ) -> None:
         super().__init__(theme, **options)
         self.session = session
-        self.panel = panel
+        self.pressed = pressed
         self.seen: set[int] = set()
         self.ask_check = ask_check
         self._frames_per_s = frames_per_s

@@ -5,8 +5,9 @@ What is pressed on a panel counts as a key; a stop does not come this way.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
+from itertools import chain
 from math import inf, isnan
 from signal import SIGHUP
 from time import monotonic
@@ -34,7 +35,7 @@ from pirate_sm.robot.control_panel.panel_file import (
     RunButton,
     WordButton,
 )
-from pirate_sm.robot.control_panel.panel_reader import Connection, PanelReader
+from pirate_sm.robot.control_panel.panel_reader import Connection, PressSource
 from pirate_sm.robot.control_panel.presses import TWICE_WITHIN_S, Press, action_text
 from pirate_sm.running.runtime.ending import BY_SIGNAL
 from pirate_sm.views.console import availability
@@ -81,7 +82,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
 
     pressed_s = _drove_s = -inf
     late_after_s = NEXT_REPEAT_S
-    _wants_to_go = False
+    _wants_to_go: str | None = None
 
     # --- the stop -----------------------------------------------------------------------------
 
@@ -200,14 +201,14 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         if said.text and not latest.scene.mission:
             self._refuse("not recorded", "the robot by hand is not; choose a mission first")
 
-    def action_word(self, word: str) -> None:
-        """Send one of the detector's words instead of a detector."""
+    def action_word(self, word: str, by: str = "") -> None:
+        """Send one of the detector's words instead of a detector; ``by`` says from where."""
         prepared = self.session.prepared
         if prepared.others_words:
             self._refuse(word, f"the detector speaks for itself ({prepared.others_words})")
             return
         valid_for_s = prepared.loaded.loaded_robot.profile.detector.valid_for
-        self.session.give_event(DetectorWord(word, valid_for_s))
+        self.session.give_event(DetectorWord(word, valid_for_s, by))
 
     def action_answer(self, number: int) -> None:
         """Give the mission the answer with this number."""
@@ -217,8 +218,13 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
 
     # --- the mission --------------------------------------------------------------------------
 
-    def action_control(self, name: str) -> None:
-        """Start, pause or resume the mission, if possible; end a series of commands."""
+    def action_control(self, name: str, by: str = "") -> None:
+        """Start, pause or resume the mission, if possible; end a series of commands.
+
+        Args:
+            name: What is asked for.
+            by: Where, as events record it; empty at the keyboard and on a panel.
+        """
         self.session.giver.stop()
         snapshot = self.session.latest
         control = next(
@@ -227,7 +233,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             if each.name == name
         )
         if name == "go" and control.reason == availability.LOOKING:
-            self._wants_to_go = True
+            self._wants_to_go = by
             self.notify("starts as soon as the check has looked at it", timeout=4, markup=False)
         elif control.reason:
             self._refuse(control.label, control.reason)
@@ -236,10 +242,10 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         elif name == "abort":
             self.session.stop()
         elif name == "pause":
-            self.session.give_event(Pause())
+            self.session.give_event(Pause(by))
         else:
-            events: dict[str, Event] = {"step": Step(), "skip": Skip()}
-            self._move(events.get(name) or availability.going_on(snapshot))
+            events: dict[str, Event] = {"step": Step(by), "skip": Skip()}
+            self._move(events.get(name) or availability.going_on(snapshot)._replace(by=by))
 
     # --- where a mission can be handed back ----------------------------------------------------
 
@@ -270,9 +276,9 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
     def _take_in(self, what: str, found: Any) -> None:
         if what == "entries":
             self._entries = found
-            if self._wants_to_go:
-                self._wants_to_go = False
-                self.action_control("go")
+            if self._wants_to_go is not None:
+                by, self._wants_to_go = self._wants_to_go, None
+                self.action_control("go", by)
         elif what == "ways":
             self._ways = found
         elif what == "missions":
@@ -308,21 +314,21 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             yield SystemCommand(f"Detector: {word}", "Say it", partial(self.action_word, word))
 
 
-# --- a control panel ----------------------------------------------------------------------------
+# --- a control panel and the page ---------------------------------------------------------------
 
 
 class PanelActions(OperatorActions):
-    """The part of the console that heeds a control panel.
+    """The part of the console that heeds a control panel, and the page of its runs.
 
     Attributes:
-        panel: The panel, opened; None if there is none.
+        pressed: Where buttons are pressed.
     """
 
-    panel: PanelReader | None = None
+    pressed: Sequence[PressSource] = ()
 
     def heed_panel(self) -> None:
-        """Act on what has happened on the panel since the last call."""
-        for happening in self.panel.taken() if self.panel is not None else ():
+        """Act on what has been pressed since the last call."""
+        for happening in chain.from_iterable(each.taken() for each in self.pressed):
             match happening:
                 case Connection("lost", message):
                     self.notify(message, severity="warning", timeout=10, markup=False)
@@ -331,12 +337,12 @@ class PanelActions(OperatorActions):
                 case Press(name, button, asks=True):
                     what = f"press {name} again within {TWICE_WITHIN_S:g} s"
                     self._refuse(action_text(button), what)
-                case Press(_, button):
-                    self._press(button)
+                case Press(_, button, by=by):
+                    self._press(button, by)
                 case _:
                     assert_never(happening)
 
-    def _press(self, button: Button) -> None:
+    def _press(self, button: Button, by: str) -> None:
         """Do what the button does; while a dialog is open, only answers count."""
         dialog = self.screen if len(self.screen_stack) > 1 else None
         unread = self.is_unread(monotonic())
@@ -353,11 +359,11 @@ class PanelActions(OperatorActions):
                 reason = f"it was stopped: choose the phase with {key} at the keyboard"
                 self._refuse(action_text(button), reason)
             case RunButton(do=control):
-                self.action_control(control)
+                self.action_control(control, by)
             case CommandButton(command=command):
                 self.action_command(command)
             case WordButton(word=word):
-                self.action_word(word)
+                self.action_word(word, by)
             case AnswerButton(answer=number):
                 self.action_answer(number)
             case _:

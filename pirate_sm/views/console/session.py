@@ -371,9 +371,9 @@ class OperatorSession:
         if self.quitting.run.stop is None:
             self.giver.give(commands, then)
 
-    def stop(self) -> None:
+    def stop(self, stop: Stop = BY_OPERATOR) -> None:
         """Bring the robot to its safe state now; its mission can be handed back afterwards."""
-        self.quitting.run.ask(BY_OPERATOR)
+        self.quitting.run.ask(stop)
 
     def change(self, loaded: LoadedMission) -> None:
         """End the current mission in the safe state and begin the other one, paused.

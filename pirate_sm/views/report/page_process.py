@@ -1,6 +1,9 @@
-"""The page of a run in a process of its own, which a command starts with the run.
+"""The page of runs in a process of its own, which a command starts with its first run.
 
-The two share the recording and a pipe: closed, also by a death, it says that the run has ended.
+The two share the recording and two pipes. Over one the process learns which recording is shown;
+closed, also by a death, it says that no run follows. Over the other come the names of the
+buttons that viewers press, and nothing else that they send. What the process does, or does not do,
+never holds up a run.
 """
 
 from __future__ import annotations
@@ -8,19 +11,35 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-import select
 import subprocess
 import sys
+import time
+from collections import deque
+from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
+from functools import partial
+from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from socket import MSG_DONTWAIT, SHUT_RDWR, socket, socketpair
+from threading import Thread
+from typing import TYPE_CHECKING, Any, Self
 
+from pirate_sm.core.companion import Companion, CompanionBase
+from pirate_sm.core.effects import CommandStatus, Effect, PhaseChange
 from pirate_sm.core.errors import PirateError, UsageError, not_installed
+from pirate_sm.robot.control_panel.panel_file import Button, RunButton, WordButton
+from pirate_sm.robot.control_panel.panel_reader import Connection, EndRun, Happening
+from pirate_sm.robot.control_panel.presses import Press
+from pirate_sm.views.report.acting import STOP, Acting
 
 if TYPE_CHECKING:
-    from pirate_sm.views.report.page_server import Editions
+    from pirate_sm.views.report.page_server import PageServer
 
 LINGER_S = 30.0
 """How long the page can still be opened after the run; it stays where it is open, s."""
+
+BY = "page"
+"""What events of the page are said to be by."""
 
 _PATIENCE_S = 20.0
 """How long the process may take to start on a busy computer, s."""
@@ -28,50 +47,181 @@ _PATIENCE_S = 20.0
 _NICE = 10
 """The run comes first where processors are short."""
 
+_SWITCH_EVERY_S = 0.001
+"""How long the thread that makes reports may keep a press waiting, instead of 5 ms."""
+
 _LOOK_EVERY_S = 1.0
+
+_LONGEST = 200
+"""No line about a press is longer, bytes."""
+
+MOST_A_SECOND = 40
+"""More presses than this come from a process that does not work: it lets through fewer."""
+
+
+def page_buttons(words: Collection[str]) -> dict[str, Button]:
+    """Return the buttons of the page: those of the run, and one for each of these words."""
+    buttons: dict[str, Button] = {
+        STOP: RunButton(do="stop"),
+        "pause": RunButton(do="pause"),
+        "continue": RunButton(do="go"),
+    }
+    return buttons | {f"word {word}": WordButton(word=word) for word in words}
+
+
+# --- in the process of the run --------------------------------------------------------------------
 
 
 class PageProcess:
-    """Serves the page of a recording until the run has ended and no page is open.
+    """Serves the page of the runs of a command until none follows and no page is open.
+
+    Presses that stop the run act in a thread of this class; all others wait for :meth:`taken`.
 
     Args:
-        path: The recording, which has its header.
+        words: The detector's words that viewers may say.
+        end_run: Ends the current run.
 
     Attributes:
-        address: The address for a browser.
+        address: The address for a browser, with which viewers may also act.
 
     Raises:
         UsageError: It cannot be served.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", __name__, str(path.resolve())],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,  # Ctrl-C is for the run
-        )
-        self.address = self._hear()
+    def __init__(self, words: Collection[str], end_run: EndRun) -> None:
+        self._buttons = page_buttons(words)
+        self._end_run = end_run
+        self._happened: deque[Happening] = deque(maxlen=MOST_A_SECOND)
+        self._pressed_s: deque[float] = deque(maxlen=MOST_A_SECOND)
+        self._shows = self._closing = False
+        self._presses, other = socketpair()
+        with other:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", __name__, *self._buttons],
+                stdin=subprocess.PIPE,
+                stdout=other.fileno(),
+                stderr=subprocess.DEVNULL,
+                start_new_session=True,  # Ctrl-C is for the run
+            )
+        self.address, rest = self._hear()
+        self._thread = Thread(target=self._work, args=(rest,), name="page", daemon=True)
+        self._thread.start()
 
-    def _hear(self) -> str:
-        out = self._process.stdout
-        assert out is not None
-        line = out.readline() if select.select([out], [], [], _PATIENCE_S)[0] else b""
+    def __enter__(self) -> Self:
+        """Serve it."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Say that no run follows; what is pressed from now on is not heard."""
+        self._closing = True
+        with suppress(OSError):  # its other end may be closed
+            self._presses.shutdown(SHUT_RDWR)
+        self._thread.join()
+        self._presses.close()
+        if self._process.stdin is not None:
+            self._process.stdin.close()
+
+    @property
+    def buttons(self) -> Collection[Button]:
+        """Return what its buttons do."""
+        return self._buttons.values()
+
+    def taken(self) -> list[Happening]:
+        """Return what has happened since the last call, oldest first."""
+        found = []
+        while self._happened:
+            found.append(self._happened.popleft())
+        return found
+
+    def follow(self, recording: Path) -> Companion:
+        """Show the run of this recording, a later one as soon as it does something.
+
+        Returns:
+            The companion that the run needs for that.
+        """
+        if not self._shows:
+            self._shows = True
+            self._show(recording)
+            return FirstDeed(lambda: None)
+        return FirstDeed(partial(self._show, recording))
+
+    def _show(self, recording: Path) -> None:
+        if self._process.stdin is not None:
+            with suppress(OSError):  # the process has ended, or takes nothing
+                os.set_blocking(self._process.stdin.fileno(), False)
+                os.write(self._process.stdin.fileno(), f"{recording.resolve()}\n".encode())
+
+    def _hear(self) -> tuple[str, bytes]:
+        """Return the address that the process says first, and what it has said after it."""
+        said = b""
+        self._presses.settimeout(_PATIENCE_S)
+        with suppress(OSError):
+            while b"\n" not in said and (more := self._presses.recv(4096)):
+                said += more
+        self._presses.settimeout(None)
+        line, _, rest = said.partition(b"\n")
         try:
-            said = json.loads(line)
+            found = json.loads(line)
         except ValueError:
+            found = {"problem": "the page cannot be served: its process does not answer"}
+        if "problem" in found:
             self._process.kill()
-            said = {"problem": "the page cannot be served: its process does not answer"}
-        if "problem" in said:
-            raise UsageError(said["problem"])
-        return str(said["address"])
+            self._process.communicate()
+            self._presses.close()
+            raise UsageError(found["problem"])
+        return str(found["address"]), rest
 
-    def close(self) -> None:
-        """Say that the run has ended."""
-        for pipe in (self._process.stdin, self._process.stdout):
-            if pipe is not None:
-                pipe.close()
+    # --- in its own thread --------------------------------------------------------------------
+
+    def _work(self, more: bytes) -> None:
+        why, waiting = "its process has ended", b""
+        with suppress(OSError):  # as if it had closed it
+            while True:
+                *lines, waiting = (waiting + more).split(b"\n")
+                if len(waiting) > _LONGEST or not all(map(self._take, lines)):
+                    why = "its process does not work"
+                    self._process.kill()
+                    break
+                if not (more := self._presses.recv(4096)):
+                    break
+        if not self._closing:
+            self._happened.append(Connection("lost", f"the page cannot be used any more: {why}"))
+
+    def _take(self, line: bytes) -> bool:
+        """Act on a press; return whether a process that works can have sent it."""
+        button, now_s = self._buttons.get(line.decode(errors="replace")), time.monotonic()
+        if button is None:
+            return False
+        if isinstance(button, RunButton) and button.do == "stop":
+            self._end_run(f"stopped on the {BY}")
+        else:
+            self._happened.append(Press(BY, button, by=BY))
+        crowded = len(self._pressed_s) == MOST_A_SECOND and now_s < self._pressed_s[0] + 1.0
+        self._pressed_s.append(now_s)
+        return not crowded
+
+
+class FirstDeed(CompanionBase):
+    """A companion that calls a function once, when its run enters a phase or gives a command.
+
+    A run that waits for its operator would else take the place of the one that has just ended.
+    """
+
+    due_s = inf
+
+    def __init__(self, call: Callable[[], object]) -> None:
+        self._call: Callable[[], object] | None = call
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Call the function at the first deed."""
+        if self._call is not None and any(
+            isinstance(each, PhaseChange | CommandStatus) for each in effects
+        ):
+            call, self._call = self._call, None
+            call()
+
+
+# --- in the process of the page -------------------------------------------------------------------
 
 
 def _say(**what: Any) -> None:
@@ -79,26 +229,41 @@ def _say(**what: Any) -> None:
     sys.stdout.flush()
 
 
-async def _until_unwatched(editions: Editions) -> None:
-    """Return when the run has ended and no page has been open for a while."""
-    await asyncio.to_thread(sys.stdin.read)
-    unseen_s = 0.0
+def _press(name: str) -> bool:
+    """Pass a press on to the run; return whether it takes it."""
+    line = f"{name}\n".encode()
+    with suppress(OSError), socket(fileno=os.dup(sys.stdout.fileno())) as run:
+        return run.send(line, MSG_DONTWAIT) == len(line)
+    return False
+
+
+async def _until_unwatched(server: PageServer) -> None:
+    """Show what is to be shown; return when no run follows and no page was open for a while."""
+    unseen_s = LINGER_S
+    while line := await asyncio.to_thread(sys.stdin.readline):
+        await server.show(Path(line.rstrip("\n")))
+        unseen_s = 0.0
     while unseen_s < LINGER_S:
         await asyncio.sleep(_LOOK_EVERY_S)
-        unseen_s = 0.0 if editions.viewers else unseen_s + _LOOK_EVERY_S
+        unseen_s = 0.0 if server.editions.viewers else unseen_s + _LOOK_EVERY_S
 
 
 def main() -> None:
-    """Serve the page of the recording on the command line."""
+    """Serve a page with the buttons on the command line."""
     os.nice(_NICE)
+    sys.setswitchinterval(_SWITCH_EVERY_S)
     try:
         from pirate_sm.views.report.page_server import serve  # noqa: PLC0415 - an extra
     except ModuleNotFoundError:
         _say(problem=str(not_installed("the page", "tornado", "page")))
         return
-    path = Path(sys.argv[1])
+    acting = Acting(sys.argv[1:], _press)
+
+    def said(address: str) -> None:
+        _say(address=f"{address}#{acting.token}")
+
     try:
-        asyncio.run(serve(path, None, lambda address: _say(address=address), _until_unwatched))
+        asyncio.run(serve(None, None, said, _until_unwatched, acting))
     except PirateError as error:
         _say(problem=str(error))
 

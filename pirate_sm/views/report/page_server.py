@@ -23,6 +23,7 @@ from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from pirate_sm.core.errors import UsageError
+from pirate_sm.views.report.acting import Acting, Refusal
 from pirate_sm.views.report.changes import changes
 from pirate_sm.views.report.contents import Report
 from pirate_sm.views.report.live_report import Edition, LiveReport, edition_of
@@ -39,8 +40,20 @@ _MOST_HANDED_OUT = 16
 _PING_S = 10.0
 """A viewer that answers no ping is taken for closed."""
 
-_ASKS_MOST = 1 << 16
+_ASKS_MOST = 1 << 10
 """The largest message that a viewer may send, bytes."""
+
+_BEARER = "Bearer "
+"""What precedes a token in a request (RFC 6750)."""
+
+
+_NOTHING = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta http-equiv="refresh" content="2">
+<meta name="color-scheme" content="light dark"><title>No run yet</title></head>
+<body style="font: 16px system-ui, sans-serif; margin: 2em"><h1>No run yet</h1>
+<p>The page of a mission is shown here as soon as it is at hand. What is driven by hand without a
+mission is not recorded, and is not shown.</p></body></html>
+"""
 
 
 class Editions:
@@ -50,17 +63,22 @@ class Editions:
     another run is served at its address must not take the changes of that one.
 
     Attributes:
+        run: A name of the run that no other one has.
         newest: The newest edition; None before the first.
         viewers: Number of pages that are open.
         streams: The connections over which changes are sent.
     """
 
     def __init__(self) -> None:
-        self.newest: Edition | None = None
         self.viewers = 0
         self.streams = set[IOStream]()
-        self._own = secrets.token_hex(8)
         self._next = asyncio.get_running_loop().create_future()
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin with the editions of another run."""
+        self.run = secrets.token_hex(8)
+        self.newest: Edition | None = None
         self._encoded: dict[int, str] = {}
         self._handed_out: dict[int, Edition] = {}
 
@@ -74,7 +92,7 @@ class Editions:
 
     def name(self, edition: Edition) -> str:
         """Return the name by which pages know an edition."""
-        return f"{self._own}.{edition.version}"
+        return f"{self.run}.{edition.version}"
 
     def handed_out(self, name: str) -> Edition | None:
         """Return the edition of this name that a page has; None if it is not kept."""
@@ -86,9 +104,9 @@ class Editions:
         arrived, self._next = self._next, asyncio.get_running_loop().create_future()
         arrived.set_result(None)
 
-    async def after(self, version: int | None) -> Edition:
-        """Return the newest edition, as soon as it has another number than this."""
-        while self.newest is None or self.newest.version == version:
+    async def after(self, edition: Edition | None) -> Edition:
+        """Return the newest edition, as soon as it is another one than this."""
+        while self.newest is None or self.newest is edition:
             await asyncio.shield(self._next)
         return self.newest
 
@@ -136,8 +154,35 @@ class _Page(_OnLoopback):
 
     async def get(self) -> None:
         """Answer with the page."""
+        if self.editions.newest is None and not self.application.settings["shows"]:
+            self.finish(_NOTHING)
+            return
         edition = await self.editions.hand_out()
-        self.finish(html(edition.report, self.editions.name(edition)))
+        acting: Acting | None = self.application.settings["acting"]
+        buttons = acting.buttons if acting is not None else ()
+        self.finish(html(edition.report, self.editions.name(edition), buttons))
+
+
+class _Presses(_OnLoopback):
+    """Takes what viewers press."""
+
+    def post(self) -> None:
+        """Pass a press on to the run, or say why not."""
+        acting: Acting | None = self.application.settings["acting"]
+        sent = self.request.headers.get("Authorization", "")
+        token = sent.removeprefix(_BEARER) if sent.startswith(_BEARER) else ""
+        if self.request.headers.get("Origin") != f"http://{self.request.host}":
+            refusal: Refusal | None = Refusal(403, "Only the page itself may ask")
+        elif acting is None:
+            refusal = Refusal(409, "This page only shows: no run listens to it")
+        else:
+            refusal = acting.press(token, self.request.body.decode(errors="replace"))
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        if refusal is None:
+            self.set_status(204)
+        else:
+            self.set_status(refusal.status)
+            self.write(refusal.why)
 
 
 class _Changes(_OnLoopback, WebSocketHandler):
@@ -165,16 +210,17 @@ class _Changes(_OnLoopback, WebSocketHandler):
         self._sending.cancel()
 
     async def _send(self) -> None:
+        run = self.editions.run
         edition = self.editions.handed_out(self.get_query_argument("since", ""))
         try:
-            if edition is None:
-                await self.write_message("{}")  # it is to load the page again
-                return
-            while True:
-                newest = await self.editions.after(edition.version)
+            while edition is not None:
+                newest = await self.editions.after(edition)
+                if self.editions.run != run:
+                    break
                 # A viewer that leaves ends this task, but not the library's own writing.
                 await asyncio.shield(self.write_message(self.editions.changed(edition, newest)))
                 edition = newest
+            await self.write_message("{}")  # it is to load the page again
         except WebSocketClosedError:
             pass
 
@@ -184,17 +230,21 @@ class PageServer:
 
     Args:
         port: The port; None: the default one, or any other that is free.
+        acting: The buttons of the page; None: it only shows.
 
     Attributes:
         editions: The editions of the page.
         port: The port.
+        failure: Gets the exception that leaves the server without a page.
 
     Raises:
         UsageError: The port is in use.
     """
 
-    def __init__(self, port: int | None = None) -> None:
+    def __init__(self, port: int | None = None, acting: Acting | None = None) -> None:
         self.editions = Editions()
+        self.failure = asyncio.get_running_loop().create_future()
+        self._report: LiveReport | None = None
         try:
             own = create_server((HOST, PORT if port is None else port))
         except OSError as error:
@@ -206,15 +256,17 @@ class PageServer:
             own = create_server((HOST, 0))
         own.setblocking(False)
         self.port: int = own.getsockname()[1]
-        application = Application(
-            [("/", _Page), ("/changes", _Changes)],
+        self._application = Application(
+            [("/", _Page), ("/changes", _Changes), ("/presses", _Presses)],
             editions=self.editions,
+            acting=acting,
+            shows=False,
             port=self.port,
             websocket_ping_interval=_PING_S,
             websocket_max_message_size=_ASKS_MOST,
             log_function=lambda handler: None,
         )
-        self._server = HTTPServer(application)
+        self._server = HTTPServer(self._application, max_body_size=_ASKS_MOST)
         self._server.add_sockets([own])
 
     @property
@@ -222,63 +274,80 @@ class PageServer:
         """Return the address for a browser."""
         return f"http://{HOST}:{self.port}/"
 
+    async def show(self, shown: Path | Report) -> None:
+        """Serve the page of a recording, or a report; pages that show another one load again.
+
+        Raises:
+            RecordingError: It is not a recording.
+        """
+        await self._end_report()
+        self.editions.begin()
+        self._application.settings["shows"] = True
+        if isinstance(shown, Report):
+            self.editions.take(edition_of(shown))
+            return
+        loop = asyncio.get_running_loop()
+
+        def take(edition: Edition) -> None:  # in the thread of the report
+            loop.call_soon_threadsafe(self.editions.take, edition)
+
+        def failed(error: Exception) -> None:  # in the thread of the report
+            loop.call_soon_threadsafe(self._fail, error)
+
+        self._report = LiveReport(shown, take, failed)
+        self._report.start()
+
+    def _fail(self, error: Exception) -> None:
+        if not self.failure.done():
+            self.failure.set_exception(error)
+
+    async def _end_report(self) -> None:
+        report, self._report = self._report, None
+        if report is not None:
+            await asyncio.to_thread(report.close)
+
     def close(self) -> None:
         """Stop listening."""
         self._server.stop()
 
-    async def end_connections(self) -> None:
-        """Close the connections of all viewers."""
+    async def end(self) -> None:
+        """Stop listening, close the connections of all viewers, and follow no recording."""
+        self.close()
         for each in [*self.editions.streams]:
             each.close()
         await self._server.close_all_connections()
+        await self._end_report()
 
 
 async def serve(
-    shown: Path | Report,
+    shown: Path | Report | None,
     port: int | None,
     said: Callable[[str], object],
-    until: Callable[[Editions], Awaitable[object]],
+    until: Callable[[PageServer], Awaitable[object]],
+    acting: Acting | None = None,
 ) -> None:
     """Serve a page.
 
     Args:
-        shown: The recording of a run, which may be under way, or a report.
+        shown: The recording of a run, which may be under way, or a report; None: nothing yet.
         port: The port; None: the default one, or any other that is free.
         said: Receives the address, once it can be opened.
         until: Returns when the server is to end, unless it is cancelled before.
+        acting: The buttons of the page; None: it only shows.
 
     Raises:
         RecordingError: The recording cannot be read; also if that is found after the address
             was said, but before there is a page.
         UsageError: The port is in use.
     """
-    server, loop = PageServer(port), asyncio.get_running_loop()
-    failure: asyncio.Future[None] = loop.create_future()
-
-    def take(edition: Edition) -> None:  # in the thread of the report
-        loop.call_soon_threadsafe(server.editions.take, edition)
-
-    def fail(error: Exception) -> None:
-        if not failure.done():
-            failure.set_exception(error)
-
-    def failed(error: Exception) -> None:  # in the thread of the report
-        loop.call_soon_threadsafe(fail, error)
-
-    report: LiveReport | None = None
+    server = PageServer(port, acting)
     try:
-        if isinstance(shown, Report):
-            server.editions.take(edition_of(shown))
-        else:
-            report = LiveReport(shown, take, failed)
-            report.start()
+        if shown is not None:
+            await server.show(shown)
         said(server.address)
-        await _first(asyncio.ensure_future(until(server.editions)), failure)
+        await _first(asyncio.ensure_future(until(server)), server.failure)
     finally:
-        server.close()
-        await server.end_connections()
-        if report is not None:
-            await asyncio.to_thread(report.close)
+        await server.end()
 
 
 async def _first(*awaited: asyncio.Future[Any]) -> None:

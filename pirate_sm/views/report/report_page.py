@@ -321,17 +321,19 @@ def _is_in_space(report: Report) -> bool:
     return report.scene is not None and report.scene.space is not None
 
 
-def html(report: Report, version: str | None = None) -> str:
+def html(report: Report, version: str | None = None, buttons: Sequence[str] = ()) -> str:
     """Return the page as HTML.
 
     Args:
         report: The report.
         version: Name of the report among those of a run that is under way, for a page that asks
             its server for what has changed since; None: it needs no server.
+        buttons: What those who may act can press.
     """
     served, data = version is not None, report_json(report)
     in_space = _is_in_space(report)
     names = [*_SCRIPTS, *(["space.js"] if in_space else []), *(["live.js"] if served else [])]
+    names += ["acting.js"] if buttons else []
     script = "\n".join((PAGE / name).read_text("utf-8") for name in names)
     libraries = [plot_script(), *([three_script()] if in_space else [])]
     return Template((PAGE / "page.html").read_text("utf-8")).substitute(
@@ -343,12 +345,31 @@ def html(report: Report, version: str | None = None) -> str:
         style=f"{plot_style()}\n{page_style()}",
         duration=f"{report.duration_s:.3f}",
         step=f"{_step(report.duration_s):g}",
+        acting=_acting(buttons) if buttons else "",
         speeds="".join(_speed(each) for each in _SPEEDS),
         data=_inside_script({**data, "version": version} if served else data),
         library="\n".join(libraries),
         script=f"(() => {{\n'use strict';\n{script}\n}})();",
         **fragments(report),
     )
+
+
+def _acting(buttons: Iterable[str]) -> str:
+    """Return the buttons with which viewers act; the script shows them to who may."""
+    each = "".join(
+        f'<button type="button" data-press="{escape(name)}">{escape(_label(name))}</button>'
+        for name in buttons
+    )
+    about = "The run itself"
+    return (
+        f'<div class="acting" id="acting" role="group" aria-label="{about}">{each}'
+        '<p id="answered" role="status"></p></div>'
+    )
+
+
+def _label(button: str) -> str:
+    run = {"stop": "STOP", "pause": "Pause the mission", "continue": "Continue the mission"}
+    return run.get(button) or f"Say: {button.removeprefix('word ')}"
 
 
 def _warning(line: str) -> str:

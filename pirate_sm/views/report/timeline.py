@@ -188,7 +188,12 @@ def _about(it: fx.CommandStatus) -> str:
 
 def operator_action(cause: object) -> str:
     """Return what the operator did, in words; empty if it was not the operator."""
-    return _asked(cause) if isinstance(cause, ev.Request) else ""
+    if isinstance(cause, ev.DetectorWord):
+        return f"says {cause.word} on the {cause.by}" if cause.by else ""
+    if not isinstance(cause, ev.Request):
+        return ""
+    by = cause.by if isinstance(cause, ev.Pause | ev.Resume | ev.Step | ev.GoTo) else ""
+    return f"{_asked(cause)} on the {by}" if by else _asked(cause)
 
 
 def _asked(request: ev.Request) -> str:

@@ -44,7 +44,7 @@ def test_the_alphabet_is_what_its_version_says():
     # Who changes a line here changes ALPHABET_VERSION too: recordings tell them apart by it.
     letters = {kind.__name__: kind._fields for kind in classes(events) | classes(effects)}
 
-    assert events.ALPHABET_VERSION == 10
+    assert events.ALPHABET_VERSION == 11
     assert letters == {
         "Abort": ("reason",),
         "Answer": ("choice",),
@@ -52,7 +52,7 @@ def test_the_alphabet_is_what_its_version_says():
         "CommandFailed": ("reason",),
         "CommandStatus": ("name", "status", "reason", "place", "unmet"),
         "Detected": ("word",),
-        "DetectorWord": ("word", "valid_for_s"),
+        "DetectorWord": ("word", "valid_for_s", "by"),
         "Ended": ("outcome", "message", "end"),
         "Environment": (*MEASURED, *AHEAD),
         "EnvironmentReport": (
@@ -65,20 +65,20 @@ def test_the_alphabet_is_what_its_version_says():
         ),
         "Fault": ("code", "message", "handling", "of"),
         "FaultReport": ("code", "message", "away_s", "of"),
-        "GoTo": ("phase", "states", "unconfirmed"),
+        "GoTo": ("phase", "states", "unconfirmed", "by"),
         "Log": ("level", "message"),
         "OperatorCommand": ("command", "share", "at_once"),
         "Observation": ("text", "place_m"),
         "OutsideNumber": ("signal", "value", "age_s"),
-        "Pause": (),
+        "Pause": ("by",),
         "PhaseChange": ("phase",),
-        "Resume": (),
+        "Resume": ("by",),
         "SensorFrame": ("board", "values"),
         "Setpoints": ("setpoint_id", "values"),
         "SignalReport": ("numbers", "words"),
         "Skip": ("trigger",),
         "StateChange": ("states", "unconfirmed"),
-        "Step": (),
+        "Step": ("by",),
         "SubmitResult": ("setpoint_id", "status", "reason"),
         "Tick": (),
         "TriggerFired": ("phase", "trigger", "go", "reason", "place"),

@@ -50,8 +50,15 @@ HOLDING, FREE = 0, 1
 class Desk:
     """A panel on which the test presses, beside a robot that holds on or does not."""
 
-    def __init__(self, *, speaks: str = "", keyboard: bool = False, begun: bool = True) -> None:
-        self.panel = PANEL
+    def __init__(
+        self,
+        *,
+        speaks: str = "",
+        keyboard: bool = False,
+        begun: bool = True,
+        watching: bool = True,
+    ) -> None:
+        self.buttons = PANEL.buttons.values()
         self.waiting: list[Happening] = []
         robot: Any = SimpleNamespace(
             commands=COMMANDS,
@@ -60,8 +67,14 @@ class Desk:
         )
         reader: Any = self
         self.companion = PanelCompanion(
-            reader, robot, speaks=speaks, valid_for_s=1.5, keyboard=keyboard
+            reader,
+            robot,
+            speaks=speaks,
+            valid_for_s=1.5,
+            keyboard=keyboard,
+            watching=watching,
         )
+        self.paused = False
         self.configuration = HOLDING
         if begun:
             self.hear([])
@@ -74,7 +87,10 @@ class Desk:
         self, happened: list[Happening], now_s: float = 10.0
     ) -> tuple[list[Event], list[tuple[str, str]]]:
         self.waiting += happened
-        state: Any = SimpleNamespace(robot=SimpleNamespace(configuration=self.configuration))
+        state: Any = SimpleNamespace(
+            robot=SimpleNamespace(configuration=self.configuration),
+            mission=SimpleNamespace(paused=self.paused),
+        )
         logs = self.companion.look(state, now_s)
         return list(self.companion.speak(now_s)), [(each.level, each.message) for each in logs]
 
@@ -186,4 +202,31 @@ def test_a_panel_is_read_every_20_ms_until_the_run_ends() -> None:
     assert desk.companion.listening
     desk.companion.react([Ended("succeeded", "done")], 11.0)
     assert desk.companion.due_s == inf
+    assert not desk.companion.listening
+
+
+def test_events_say_that_they_were_asked_for_on_a_page() -> None:
+    names = ("A", "B", "C", "G")
+    presses: list[Happening] = [Press("page", PANEL.buttons[name], by="page") for name in names]
+
+    events, _ = Desk().hear(presses)
+
+    assert events == [
+        Resume("page"),
+        Pause("page"),
+        Step("page"),
+        DetectorWord("near", 1.5, "page"),
+    ]
+    _, logs = Desk(speaks="odometry").hear(presses[-1:])
+    assert logs == [("warning", "'near' on the page is ignored: the detector is odometry")]
+
+
+def test_where_people_need_not_watch_only_a_paused_mission_waits_for_them() -> None:
+    desk = Desk(watching=False)
+    assert not desk.companion.listening
+
+    desk.paused = True
+    desk.hear([])
+    assert desk.companion.listening
+    desk.companion.react((Ended("succeeded", "there"),), 11.0)
     assert not desk.companion.listening

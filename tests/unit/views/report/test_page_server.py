@@ -15,6 +15,7 @@ from tornado.websocket import websocket_connect
 
 from pirate_sm.core.errors import RecordingError, UsageError
 from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.views.report.acting import Acting
 from pirate_sm.views.report.live_report import Edition
 from pirate_sm.views.report.page_server import HOST, PageServer, serve
 from pirate_sm.views.report.recording_report import report_of
@@ -42,9 +43,81 @@ def run(work: Callable[[PageServer], Awaitable[None]]) -> None:
         try:
             await work(server)
         finally:
-            server.close()
+            await server.end()
 
     asyncio.run(worked())
+
+
+async def pressed(server: PageServer, button: str, **headers: str) -> tuple[int, str]:
+    """The status and the words that a press is answered with."""
+    request = HTTPRequest(f"{server.address}presses", "POST", headers, button)
+    found = await AsyncHTTPClient(force_instance=True).fetch(request, raise_error=False)
+    return found.code, found.body.decode() if found.body else ""
+
+
+def test_only_who_has_the_token_may_press_a_button_and_only_on_the_page_itself() -> None:
+    done: list[str] = []
+    acting = Acting(["stop", "pause"], lambda name: bool(done.append(name)) or True)
+
+    async def work() -> None:
+        server = PageServer(0, acting)
+        own = {"Origin": server.address.rstrip("/"), "Authorization": f"Bearer {acting.token}"}
+        wrong = [
+            {**own, "Authorization": ""},
+            {**own, "Authorization": acting.token},
+            {**own, "Authorization": f"Bearer {acting.token}x"},
+            {**own, "Authorization": "Bearer \xe4"},
+        ]
+        elsewhere = [
+            {**own, "Origin": "http://evil.example"},
+            {**own, "Origin": "null"},
+            {"Authorization": own["Authorization"]},
+            {**own, "Host": "evil.example"},
+        ]
+        for headers in wrong:
+            code, said = await pressed(server, "stop", **headers)
+            assert (code, "open the address that the run printed" in said) == (403, True)
+        for headers in elsewhere:
+            assert (await pressed(server, "stop", **headers))[0] == 403
+        assert await pressed(server, "stop\n", **own) == (
+            400,
+            "This page has other buttons: stop, pause",
+        )
+        assert (await pressed(server, "x" * 5_000, **own))[0] == 400
+        assert not done
+        assert await pressed(server, "stop", **own) == (204, "")
+        assert done == ["stop"]
+        await server.end()
+
+    asyncio.run(work())
+
+
+def test_a_page_without_a_run_listens_to_no_press(first: Edition) -> None:
+    async def work(server: PageServer) -> None:
+        server.editions.take(first)
+        code, said = await pressed(server, "stop", Origin=server.address.rstrip("/"))
+        assert (code, said) == (409, "This page only shows: no run listens to it")
+
+    run(work)
+
+
+def test_a_page_of_the_run_before_is_loaded_again_when_another_one_is_shown(
+    first: Edition, recording: Callable[[str], Path]
+) -> None:
+    async def work(server: PageServer) -> None:
+        assert "No run yet" in (await answer(server))[1]
+        await server.show(first.report)
+        _, page, _ = await answer(server)
+        viewer = await listened(server)
+
+        await server.show(recording("patrol"))
+
+        assert await viewer.read_message() == "{}"
+        newest = await server.editions.hand_out()
+        assert f'"version":"{server.editions.name(newest)}"' not in page
+        viewer.close()
+
+    run(work)
 
 
 async def answer(server: PageServer, **headers: str) -> tuple[int, str, Any]:
@@ -174,7 +247,7 @@ def test_a_page_of_another_run_at_this_address_is_loaded_again(first: Edition) -
             assert await viewer.read_message() == "{}"
             viewer.close()
         finally:
-            other.close()
+            await other.end()
 
     run(work)
 
@@ -192,7 +265,7 @@ def test_the_server_is_there_before_the_first_report(
 ) -> None:
     said: list[str] = []
 
-    async def until(editions: Any) -> None:
+    async def until(server: Any) -> None:
         request = HTTPRequest(said[0], request_timeout=60.0)  # a busy computer takes its time
         found = await AsyncHTTPClient(force_instance=True).fetch(request)
         assert "</html>" in found.body.decode()

@@ -1,0 +1,31 @@
+// Acts on the run: for those whose address has the token that the run printed.
+
+const startActing = () => {
+  const bar = byId('acting'), answered = byId('answered'), token = location.hash.slice(1);
+  const buttons = [...bar.querySelectorAll('button')];
+
+  const press = async (button) => {
+    const name = button.textContent, stops = button.dataset.press === 'stop';
+    answered.textContent = `${name} …`;
+    try {
+      const answer = await fetch('/presses', { method: 'POST', headers: { Authorization: `Bearer ${token}` }, body: button.dataset.press });
+      const sent = stops ? `${name} is sent: watch the robot` : `${name}: sent`;
+      answered.textContent = answer.ok ? sent : await answer.text() || answer.statusText;
+    } catch {
+      answered.textContent = `${name} is not sent: the server of this page does not answer`;
+    }
+  };
+
+  const show = () => { bar.hidden = !data.running; };
+
+  buttons.forEach((button) => {
+    button.hidden = !token;
+    button.addEventListener('click', () => press(button));
+  });
+  if (!token) answered.textContent = 'You watch. To act, open the address that the run printed, with all that follows the #.';
+  addEventListener('hashchange', () => location.reload());
+  shown.on('data', show);
+  show();
+};
+
+startActing();
