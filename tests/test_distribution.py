@@ -79,7 +79,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize(
     ("extra", "package"),
-    thorough_but([("campaign", "distributed"), ("gym", "gymnasium"), ("vision", "cv2")], NEEDING),
+    thorough_but([("gym", "gymnasium")], NEEDING),
 )
 def test_what_needs_a_missing_extra_names_what_installs_it(
     extra: str, package: str, tmp_path: Path, recording: Path, campaign: Path
@@ -102,6 +102,7 @@ def test_what_needs_a_missing_extra_names_what_installs_it(
         assert "Traceback" not in done.stderr
 
 
+@pytest.mark.thorough
 def test_a_recording_is_viewed_in_the_console_without_the_link_to_a_robot() -> None:
     hidden = "import sys; sys.modules['rosbags'] = sys.modules['serial'] = None; "
     code = hidden + "import pirate_sm.views.console.recording_viewer"

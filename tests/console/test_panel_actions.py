@@ -99,6 +99,7 @@ def test_the_mission_is_started_paused_and_led_by_steps() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_mission_that_was_stopped_is_not_begun_by_the_panel_which_stays_usable() -> None:
     async def story() -> None:
         desk = Desk()

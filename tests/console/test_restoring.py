@@ -124,6 +124,7 @@ def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_nothing_is_handed_back_while_the_robot_is_not_heard(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -338,6 +339,7 @@ def test_a_wait_that_the_mission_has_passed_is_not_named() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("key", thorough_but(["escape"], ["escape", "brake"]))
 def test_the_operator_stops_them_by_any_other_wish(key: str) -> None:
     async def story() -> None:

@@ -57,6 +57,7 @@ def too_faint(me: Operator) -> list[str]:
     return sorted(found)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("size", "opens"),
     [

@@ -69,6 +69,7 @@ def test_wheels_that_hold_less_are_those_of_the_twin() -> None:
     assert soft.time_s != as_it_is.time_s
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", thorough_but([2], [2, 14]))
 def test_a_joint_that_drops_by_little_makes_no_false_success(seed: int) -> None:
     """In these runs its angle drops from -102 to -120 deg, which others cannot push it to."""

@@ -60,6 +60,7 @@ def test_a_sound_robot_succeeds_with_its_wheel_beyond_the_words_place(
     assert outcome.short_m < SHORT_M
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("after_s", thorough_but({12}, [9, 12, 16]))
 @pytest.mark.parametrize("mission", ["mitre_bend", str(HEEDLESS / "mitre_bend_heedless.yaml")])
 def test_belief_a_silent_joint_of_the_part_that_holds_lets_go_of_nothing(

@@ -25,11 +25,11 @@ main()
 """
 LINES = [
     ("run mitre_bend --seed 3 --speed 2 --json", True),
-    ("run mitre_bend --backend serial --port loop://", False),
     *(
         pytest.param(*each, marks=pytest.mark.thorough)
         for each in (
             ("check --fail-on warning sequences", True),
+            ("run mitre_bend --backend serial --port loop://", False),
             ("demo", False),
             ("campaign campaigns/bend.yaml --cell one", True),
             ("campaign campaigns/bend.yaml -o results", False),

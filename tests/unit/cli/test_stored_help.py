@@ -85,6 +85,7 @@ def test_a_check_of_a_mission_imports_only_what_its_files_need() -> None:
     assert len(ours) <= MOST_OF_A_CHECK
 
 
+@pytest.mark.thorough
 def test_a_line_that_was_read_before_is_read_without_its_library(tmp_path: Path) -> None:
     line, place = "pirate-run drive_on --no-record --json", {"PIRATE_SM_CACHE": str(tmp_path)}
     first, read = imported(line, **place)

@@ -35,6 +35,7 @@ def test_what_is_called_impossible_is_never_found(
         assert somewhere(facts, states[0], Random(seed)) is None
 
 
+@pytest.mark.thorough
 @settings(max_examples=settings.default.max_examples * 4)
 @given(facts=FACTS, states=st.sampled_from(STATES))
 def test_what_is_called_sure_is_so_with_the_values_given(

@@ -104,6 +104,7 @@ def test_processes_find_the_same_in_the_same_order(
     assert not made_here
 
 
+@pytest.mark.thorough
 @needs_processors
 def test_what_a_process_has_asked_of_the_disk_is_asked_again(
     here: Path, checked: Callable[..., tuple[str, set[str]]]
@@ -127,6 +128,7 @@ OTHER_REFUSALS = (
 )
 
 
+@pytest.mark.thorough
 @needs_processors
 @pytest.mark.parametrize(
     "refused",

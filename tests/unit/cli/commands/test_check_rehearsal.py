@@ -59,6 +59,7 @@ def test_a_shipped_mission_succeeds_in_its_pipe(pirate: Any, names: tuple[str, .
         assert each["nearly"]
 
 
+@pytest.mark.thorough
 def test_the_closest_calls_of_the_bend(pirate: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr("pirate_sm.cli.commands.rehearsal.MOST_CALLS", 100)
     (found,) = rehearsed(pirate, ROOT / "sequences" / "mitre_bend.yaml")

@@ -234,6 +234,7 @@ def test_a_name_that_is_not_known_is_refused(pirate: Callable[..., Result]) -> N
     assert pirate("demo", "bend", "--all").exit_code == 2
 
 
+@pytest.mark.thorough
 def test_ctrl_c_ends_the_run_in_its_safe_state_and_the_demo(tmp_path: Path) -> None:
     def hears_signals() -> None:
         signal.signal(signal.SIGINT, signal.SIG_DFL)

@@ -405,6 +405,7 @@ def cut_on_a_link(path: Path, mission: str, until_s: float) -> Cut:
     return Cut(it, path)
 
 
+@pytest.mark.thorough
 def test_belief_an_operator_may_think_before_a_mission_resumes(
     tmp_path: Path, operator: Callable[..., Operator]
 ) -> None:

@@ -146,6 +146,7 @@ def test_the_robot_with_the_inertial_unit_adds_two_commands_and_two_states():
         assert new == (*old, *more)
 
 
+@pytest.mark.thorough
 def test_what_it_does_not_name_is_as_in_the_robot_that_it_extends():
     usual, imu = load_robot(PIRATE).profile, load_robot(IMU).profile
 

@@ -85,6 +85,7 @@ class KilledError(Exception):
     pass
 
 
+@pytest.mark.thorough
 def test_a_client_that_was_killed_continues_with_what_is_stored(tmp_path: Path) -> None:
     whole = text(around(), tmp_path / "whole", Hasty(1, result=drawn))
     crew, folder = Hasty(2), tmp_path / "killed"

@@ -70,6 +70,7 @@ def test_a_driven_bend_is_as_in_its_file(
     assert degrees(found.tilt) == pytest.approx(0, abs=3)
 
 
+@pytest.mark.thorough
 def test_without_a_known_start_it_begins_at_the_last_wheel(found_map: Map) -> None:
     found = pipe_of(found_map)
     assert found.segments is not None

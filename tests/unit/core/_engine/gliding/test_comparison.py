@@ -8,6 +8,7 @@ from random import Random
 
 import pytest
 from agreement.robots import NEWT
+from representative import thorough_but
 
 from pirate_sm.core import library
 from pirate_sm.core._engine.gliding.comparison import codes_of
@@ -22,7 +23,7 @@ ROBOTS = [library.find_robot("pirate_ii"), NEWT]
 
 
 @pytest.mark.parametrize("folder", ROBOTS, ids=lambda folder: folder.name)
-@pytest.mark.parametrize("diameter_m", [None, 0.12])
+@pytest.mark.parametrize("diameter_m", thorough_but([None], [None, 0.12]))
 def test_codes_say_what_the_verdict_says(folder: Path, diameter_m: float | None) -> None:
     robot = load_robot(folder).oriented("normal")
     lot, said = Random(1), [0, 0, 0]

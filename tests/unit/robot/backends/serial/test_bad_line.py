@@ -23,6 +23,7 @@ def test_no_array_is_lost_comes_out_of_order_or_stays_damaged() -> None:
 # when a command needed it (309, 322), and while the robot drove with it (326); the first reading of
 # a wheel after a silence was damaged, and its next one was taken for a fall (314); a board was
 # called silent before anybody knew how much the line loses (27).
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", thorough_but([209], [2, 12, 27, 167, 209, 309, 314, 322, 326]))
 def test_the_bend_is_passed_on_a_bad_line(seed: int) -> None:
     passed = ride(seed, reset_every_s=0.0)

@@ -250,6 +250,7 @@ def test_a_reset_while_the_mission_ends_is_waited_for(go: Go) -> None:
 
 # Nothing is heard in the last 0.1 s, while the port is closed, and what was sent before the reset
 # may still arrive: later resets than these cannot be noticed.
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "line", [{}, pytest.param(LOSSY, marks=pytest.mark.thorough)], ids=["clean", "lossy"]
 )

@@ -98,6 +98,7 @@ def test_the_axles_of_the_first_wheels_are_rolled_as_the_front_is(
     assert checked > 10
 
 
+@pytest.mark.thorough
 def test_a_recording_is_shown_unrolled_by_the_console(
     run: Path, shown: dict[str, list[dict[str, Any]]]
 ) -> None:
