@@ -86,8 +86,11 @@ class Client:
         while self.shown[path]:
             self._published()
 
-    def settle(self, path: Path, version: int) -> list[Json]:
-        """Wait until findings of this version of a text are shown, and return them."""
+    def settle(self, path: Path, version: int | None) -> list[Json]:
+        """Wait until findings of this version of a text are shown, and return them.
+
+        What is withdrawn before the check has ended has no version.
+        """
         while self._published() != (path.as_uri(), version):
             pass
         return self.shown[path]

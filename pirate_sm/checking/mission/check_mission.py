@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 from pirate_sm.checking.exploring.exploration import Explored
 from pirate_sm.checking.exploring.explore import explore_corrected, explore_mission
@@ -49,16 +50,25 @@ class MissionCheck:
     explored: tuple[Explored, ...] = ()
 
 
-_noted: ContextVar[dict[Path, MissionCheck] | None] = ContextVar("noted", default=None)
+class _Noted(NamedTuple):
+    found: dict[Path, MissionCheck]
+    loaded: Callable[[Path], None]
+
+
+_noted: ContextVar[_Noted | None] = ContextVar("noted", default=None)
 
 
 @contextmanager
-def noting_missions() -> Iterator[dict[Path, MissionCheck]]:
-    """Return a context that collects the checks of missions in this process, by their files."""
-    found: dict[Path, MissionCheck] = {}
-    before = _noted.set(found)
+def noting_missions(loaded: Callable[[Path], None]) -> Iterator[dict[Path, MissionCheck]]:
+    """Return a context that collects the checks of missions in this process, by their files.
+
+    Args:
+        loaded: Called with the file of each mission that can be loaded, before it is explored.
+    """
+    noted = _Noted({}, loaded)
+    before = _noted.set(noted)
     try:
-        yield found
+        yield noted.found
     finally:
         _noted.reset(before)
 
@@ -85,9 +95,12 @@ def check_mission(
         loaded = load_mission(path, robot=robot, pipe=pipe, settings=settings, tolerated=TOLERABLE)
     except LoadError as error:
         return MissionCheck(tuple(finding_of(problem) for problem in error.problems))
+    noted = _noted.get()
+    if noted is not None:
+        noted.loaded(path)
     checked = check_loaded(loaded, tuple(map(finding_of, loaded.problems)))
-    if (noted := _noted.get()) is not None:
-        noted[path] = checked
+    if noted is not None:
+        noted.found[path] = checked
     return checked
 
 

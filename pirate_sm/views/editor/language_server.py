@@ -12,6 +12,7 @@ import os
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
+from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
 
 from lsprotocol import types
@@ -66,6 +67,7 @@ class Editor:
         self._work: asyncio.Task[None] | None = None
         self._last: CheckedTexts | None = None
         self._shown: set[str] = set()
+        self._unread: set[str] = set()
         self._outlined: dict[str, tuple[Document, Positions]] = {}
         self._missions: dict[str, KnownMission] = {}
         self._wishes = EditorWishes(self._server)
@@ -163,14 +165,24 @@ class Editor:
         files = self._open()
         texts = {path: content_of(file.source) for path, file in files.items()}
         uris = {path: file.uri for path, file in files.items()}
-        checked, shown = await asyncio.to_thread(self._checked, texts, uris)
+        loop, unread = asyncio.get_running_loop(), frozenset(self._unread & texts.keys())
+        last = self._last.texts if self._last else {}
+        self._unread = {path for path in texts if path in unread or texts[path] != last.get(path)}
+
+        def loaded(file: Path) -> None:
+            path = os.path.realpath(file)
+            self._unread.discard(path)
+            if path in unread:
+                loop.call_soon_threadsafe(self._withdraw, uris[path])
+
+        checked, shown = await asyncio.to_thread(self._checked, texts, uris, loaded)
         if not self._changed.is_set():
             self._last = checked
             self._show(shown, {file.uri: file.version for file in files.values()})
             self._wishes.refresh_hints()
 
     def _checked(
-        self, texts: dict[str, bytes], uris: dict[str, str]
+        self, texts: dict[str, bytes], uris: dict[str, str], loaded: Callable[[Path], None]
     ) -> tuple[CheckedTexts, dict[str, list[types.Diagnostic]]]:
         """Return what the check says of the open files of known kinds."""
         known = [
@@ -178,7 +190,7 @@ class Editor:
             for path, content in texts.items()
             if kind_of_text(content.decode(errors="replace")) is not FileKind.OTHER
         ]
-        with unsaved(texts), self._memory.used(), noting_missions() as noted:
+        with unsaved(texts), self._memory.used(), noting_missions(loaded) as noted:
             report = self._check(known) if known else CheckReport((), ())
         last = {path: each for path, each in self._missions.items() if path in texts}
         for file, each in noted.items():
@@ -187,6 +199,11 @@ class Editor:
         self._missions = last
         checked = CheckedTexts(report, texts, uris, self._server.workspace.position_codec)
         return checked, checked.diagnostics()
+
+    def _withdraw(self, uri: str) -> None:
+        """Show no longer why a mission cannot be loaded; what else is found takes longer."""
+        if uri in self._shown and not self._changed.is_set():
+            self._server.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
 
     def _show(
         self, shown: dict[str, list[types.Diagnostic]], versions: dict[str, int | None]

@@ -6,11 +6,15 @@ import subprocess
 import sys
 from pathlib import Path
 from threading import Event
+from typing import Any
 
 import pytest
 
+from pirate_sm.checking.exploring.explore import explore_mission
+from pirate_sm.checking.mission import check_mission
 from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.loading import LoadedMission
 
 from .client import Client, Json, checks_as_the_command, served
 
@@ -89,6 +93,34 @@ def test_what_is_found_in_an_old_text_is_not_shown_and_questions_are_answered_me
         assert [each["name"] for each in outline][:2] == ["format", "mission"]
         client.settle(path, version)
         assert client.versions_shown == [version]
+
+
+def test_why_a_mission_cannot_be_loaded_is_shown_until_it_can_be_and_not_until_it_is_explored(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    free = Event()
+    free.set()
+
+    def slowly(loaded: LoadedMission) -> Any:
+        assert free.wait(30)
+        return explore_mission(loaded)
+
+    monkeypatch.setattr(check_mission, "explore_mission", slowly)
+    path = tmp_path / "drive.yaml"
+    with served() as client:
+        client.begin(tmp_path)
+        shown = client.write(path, DRIVE.replace("start: drive", "start: drift"))
+        free.clear()
+        version = client.put(path, DRIVE.replace("[Brake]", "[Brake, DriveForward, UnclampFront]"))
+        client.settle(path, None)
+        early = client.shown[path]
+        free.set()
+
+        assert shown
+        assert early == []
+        assert client.settle(path, version)
+        assert client.write(path, DRIVE.replace("[Brake]", "[Brake, DriveForward, RelaxFront]"))
+        assert client.versions_shown == [1, None, version, version + 1]
 
 
 def test_a_change_that_leaves_no_choice_is_an_action_and_all_of_them_are_one(
