@@ -32,7 +32,7 @@ _BEGAN_S: Final = time()
 _PACKAGE: Final = Path(__file__).parents[1]
 _DISTRIBUTIONS: Final = (".dist-info", ".egg-info", ".egg-link", ".pth")
 _MOST_IN_MEMORY: Final = 1000
-"""More entries are not kept in memory: an editor's text gives another one at each key. [decided]"""
+"""More entries are not kept in memory. [decided] A file has one, which its next text replaces."""
 _VARIABLES: Final = {"HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"}
 
 
