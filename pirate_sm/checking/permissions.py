@@ -21,7 +21,7 @@ _DEVICE: Final = re.compile(r"/dev/(serial/by-(id|path)/)?\w[\w.:+-]*|COM\d+|")
 
 _RUNS = """mission backend robot pipe settings states seed defects fidelity detector also adopt
     ruler start_at_m calibration check twin numbers fitted record no_record resume look at accept
-    start_phase speed jitter line fire script yes plain json quiet"""
+    forecast start_phase speed jitter line fire script yes plain json quiet"""
 
 SCENES: Final[Mapping[str, frozenset[str]]] = {
     command: frozenset(options.split())
@@ -39,7 +39,7 @@ SCENES: Final[Mapping[str, frozenset[str]]] = {
         "plan": "robot to to_phase begin json",
         "repair": "recording output",
         "replay": "recording mission robot pipe begin until",
-        "report": "recordings output",
+        "report": "recordings output forecast",
     }.items()
 }
 """The commands that a scene may run, with the options that it may give them."""

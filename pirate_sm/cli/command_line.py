@@ -42,6 +42,7 @@ COMMANDS = {
     "firmware": ("files:FirmwareOptions", "firmware:write_tables"),
     "replay": ("recordings:ReplayOptions", "replay:run_replay"),
     "compare": ("recordings:CompareOptions", "compare:run_compare"),
+    "forecast": ("recordings:ForecastOptions", "forecast:make_forecast"),
     "export": ("recordings:ExportOptions", "export:run_export"),
     "map": ("recordings:MapOptions", "map:write_map"),
     "fit": ("estimates:FitOptions", "fit:run_fit"),

@@ -59,6 +59,8 @@ class Options(TypedDict, total=False):
             ``{"motors.bend.stall_torque": "0.8 Nm"}``; or of its pipe, which the mission does not
             know: ``{"pipe.friction": 0.4}``, likewise ``diameter``, ``tilt``, ``roll``, ``start``.
         fitted: Such a file with numbers of the motors, by which any robot is judged.
+        forecast: File with times of earlier runs, from ``pirate forecast``; the log says where this
+            run is slower.
         start_jitter_m: How far a simulated robot may start from its place; likewise
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
         fidelity: How finely the backend ``sim`` computes: ``"usual"``, or ``"fast"``, with half the
@@ -80,6 +82,7 @@ class Options(TypedDict, total=False):
     twin: str | PathLike[str] | None
     numbers: Mapping[str, object] | None
     fitted: str | PathLike[str] | None
+    forecast: str | PathLike[str] | None
     start_jitter_m: float
     diameter_jitter_m: float
     friction_jitter: float
@@ -230,14 +233,9 @@ class GivenOptions:
     )  # fmt: skip
     seed: int = _option(0, "Seed of all random numbers.", least=0)
     defects: tuple[str, ...] = _option(
-        (),
-        "Switch on a known defect, such as NAME:friction=0.5Nm,after=2s. Repeatable.",
-        "NAME[:KEY=VALUE,…]",
-        "defects",
-        flag="--defect",
-        only=_OF_SIMULATED,
-        in_campaigns="many",
-    )
+        (), "Switch on a known defect, such as NAME:friction=0.5Nm,after=2s. Repeatable.",
+        "NAME[:KEY=VALUE,…]", "defects", flag="--defect", only=_OF_SIMULATED, in_campaigns="many",
+    )  # fmt: skip
     fidelity: Fidelity = _option(
         USUAL,
         "Of sim; fast computes half the iterations and is coarser.",
@@ -261,13 +259,9 @@ class GivenOptions:
         only=_OF_PORT,
     )
     detector: str | None = _option(
-        None,
-        "What reports where the robot is. For sim: sim, for serial: odometry.",
-        "sim|odometry|vision:CAMERA|NAME",
-        "detectors",
-        only=_OF_MOVING,
-        in_campaigns="many",
-    )
+        None, "What reports where the robot is. For sim: sim, for serial: odometry.",
+        "sim|odometry|vision:CAMERA|NAME", "detectors", only=_OF_MOVING, in_campaigns="many",
+    )  # fmt: skip
     also: str | None = _option(
         None, "A second detector, to compare: its words are logged and do nothing.",
         "DETECTOR", "detectors", only=_OF_MOVING,
@@ -297,6 +291,10 @@ class GivenOptions:
     fitted: str | None = _option(
         None, "Numbers of its motors to judge it by, from pirate fit.", "FILE", "twins"
     )
+    forecast: str | None = _option(
+        None, "Earlier runs to compare it with, from pirate forecast.", "FILE", "checkable",
+        only=_OF_MOVING,
+    )  # fmt: skip
     start_phase: str | None = _option(
         None, "Begin with this phase.", "PHASE", "phases", flag="--from"
     )

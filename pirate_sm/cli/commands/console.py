@@ -182,8 +182,9 @@ def _prepared(order: Order) -> Prepared:
 
     if order.mission:
         return prepare(order, load(order), say=say)
-    if order.settings or order.start_phase:
-        raise UsageError(f"{'--set' if order.settings else '--from'} needs a mission")
+    given = {"--set": order.settings, "--from": order.start_phase, "--forecast": order.forecast}
+    if of_mission := [option for option, value in given.items() if value]:
+        raise UsageError(f"{of_mission[0]} needs a mission")
     by_hand = replace(order, mission=BY_HAND, check=False)
     prepared = prepare(by_hand, without_mission(order), say=say)
     return replace(prepared, order=replace(by_hand, check=order.check))

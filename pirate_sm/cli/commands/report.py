@@ -16,6 +16,7 @@ from pirate_sm.core.errors import RecordingError, UsageError
 from pirate_sm.core.on_disk import is_folder, why_hidden
 from pirate_sm.core.visible import visible
 from pirate_sm.lab.campaign.store import RECORDINGS, is_store
+from pirate_sm.running.recording.forecast_file import forecast_for_report
 from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.views.report import GENERATOR
 from pirate_sm.views.report.recording_report import report_of
@@ -34,12 +35,14 @@ def write_reports(options: ReportOptions) -> int:
         RecordingError: The recording cannot be read; for several: none can be read.
         UsageError: A page cannot be written.
     """
-    places, output = options.recordings, options.output
+    places, output, forecast = options.recordings, options.output, options.forecast
+    if forecast is not None and (len(places) > 1 or is_folder(Path(places[0]))):
+        raise UsageError("--forecast is for the page of one recording")
     if len(places) == 1 and is_store(Path(places[0])):
         return _write_campaign(Path(places[0]), output)
     paths = tuple(dict.fromkeys(found for place in places for found in _recordings(Path(place))))
     if len(places) == 1 and paths == (Path(places[0]),):
-        return _write_report(paths[0], output or paths[0].with_suffix(".html"))
+        return _write_report(paths[0], output or paths[0].with_suffix(".html"), forecast)
     return _write_index(paths, output or paths[0].parent / _INDEX)
 
 
@@ -86,14 +89,15 @@ def _recordings(place: Path) -> Iterator[Path]:
     yield from found
 
 
-def _write_report(path: Path, place: Path) -> int:
+def _write_report(path: Path, place: Path, forecast: Path | None) -> int:
     if why := why_hidden(path):
         raise RecordingError(f"{path} cannot be read: {why}")
     _refuse_read_only(place)
     _refuse_foreign(place)
     with progress(f"reading {visible(str(path))}") as watch:
         recording = read_recording(path, watch)
-        text = html(report_of(recording))
+        found = None if forecast is None else forecast_for_report(forecast, recording.header)
+        text = html(report_of(recording, None if found is None else found.times))
     write_and_name(place, text)
     _warn(path, recording)
     return WRITTEN

@@ -46,6 +46,33 @@ class CompareOptions(CommandOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ForecastOptions(CommandOptions):
+    """Say how long phases of a mission take, from earlier runs.
+
+    Runs count that succeeded, of the same text of mission, robot and pipe as the newest recording,
+    with the same parameters, on the same backend. With --rehearse, a mission or a campaign is run
+    instead. `pirate run --forecast FILE` warns when a phase is slower.
+
+    Exit codes: 0 there are enough runs, 1 too few of them for any phase, 2 nothing can be used.
+    """
+
+    paths: list[str] = argument(
+        "PATH...",
+        candidates.coverable,
+        "Recordings and folders of them; with --rehearse a mission or a campaign.",
+    )
+    output: Path | None = option("FILE", candidates.files, "For --forecast.", "--output", "-o")
+    rehearse: int = typed(
+        "Run it in the simulator with so many seeds.", "--rehearse", min=0, default=0, metavar="N"
+    )
+    cell: str | None = option("NAME", candidates.cells, "Of a campaign with several.", "--cell")
+    mission: str | None = option(
+        "NAME", candidates.missions, "Count recordings of this mission only.", "--mission"
+    )
+    overwrite: bool = common.overwrite()
+
+
+@dataclass(frozen=True, kw_only=True)
 class ExportOptions(CommandOptions):
     """Write a recording for other programs."""
 
@@ -108,6 +135,9 @@ class ReportOptions(CommandOptions):
     )
     output: Path | None = option(
         "OUT.html", candidates.files, "RUN.html; of many, index.html.", "--output", "-o"
+    )
+    forecast: Path | None = option(
+        "FILE", candidates.checkable, "Show when phases of the run were expected to end."
     )
 
 

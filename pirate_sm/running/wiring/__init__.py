@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from typing import TYPE_CHECKING
 
 from pirate_sm.core import library
 from pirate_sm.core.documents import Document, read_document
@@ -37,6 +38,9 @@ from pirate_sm.running.wiring.prepared import (
     Say,
     choose_panel,
 )
+
+if TYPE_CHECKING:
+    from pirate_sm.running.runtime.phase_times import EarlierRuns
 
 BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
@@ -96,12 +100,13 @@ def prepare(
         from pirate_sm.checking.gate import pass_or_raise
 
         pass_or_raise(loaded, words_of_bends=speaks_of_bends(order.detector), backend=order.backend)
+    forecast = None if order.forecast is None else _forecast(order.forecast, loaded)
     made = make(order, loaded, say)
     loaded = made.loaded or loaded
     found = _detecting(order, loaded, made)
     nominal = made.backend.completion == "nominal"
     given = {each.name: getattr(made, each.name) for each in fields(Equipment)}
-    return Prepared(
+    prepared = Prepared(
         **{
             **given,
             "loaded": loaded,
@@ -112,6 +117,32 @@ def prepare(
         engine=Engine(loaded.robot, loaded.program, nominal=nominal),
         detecting=found,
         panel=choose_panel(order.panel, loaded.loaded_robot) if order.panel is not None else None,
+    )
+    return prepared if forecast is None else _foretold(prepared, forecast)
+
+
+def _forecast(file: str, loaded: LoadedMission) -> EarlierRuns:
+    """Return what earlier runs of a mission say.
+
+    Raises:
+        LoadError: Their file has errors.
+        UsageError: They are of another mission, or of another text of it.
+    """
+    from pirate_sm.running.recording.forecast_file import forecast_for
+
+    return forecast_for(file, loaded).times
+
+
+def _foretold(prepared: Prepared, forecast: EarlierRuns) -> Prepared:
+    """Return the run compared with earlier ones."""
+    from pirate_sm.running.runtime.phase_times import ForecastWatch
+
+    watch = ForecastWatch(forecast)
+    return replace(
+        prepared,
+        forecast=watch,
+        companions=(*prepared.companions, watch),
+        notices=(*prepared.notices, forecast.notice),
     )
 
 
@@ -213,7 +244,9 @@ def placed(prepared: Prepared, start_at_m: float) -> Prepared:
 
 def chosen(order: Order, mission: str) -> Order:
     """Return the order with another mission, and without what was ordered for the one before."""
-    return replace(order, mission=mission, settings={}, start_phase=None, states=None)
+    return replace(
+        order, mission=mission, settings={}, start_phase=None, states=None, forecast=None
+    )
 
 
 def again(prepared: Prepared, loaded: LoadedMission, *, other: bool = False) -> Prepared:
@@ -232,6 +265,9 @@ def again(prepared: Prepared, loaded: LoadedMission, *, other: bool = False) -> 
         name = before.loaded_robot.profile.robot
         raise UsageError(f"{loaded.mission.mission} is for {loaded.robot.name}, this is {name}")
     order = chosen(prepared.order, loaded.mission.mission) if other else prepared.order
+    if other:
+        companions = (each for each in prepared.companions if each is not prepared.forecast)
+        prepared = replace(prepared, companions=tuple(companions), forecast=None)
     # The robot stays in the same pipe, whatever pipe the mission names.
     own = loaded.loaded_robot
     robot = holding_in(own.oriented(loaded.robot.polarity), own.profile, before.pipe)

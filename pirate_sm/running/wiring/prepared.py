@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pirate_sm.robot.backends.serial.link.health import LinkHealth
     from pirate_sm.robot.diagnosis.listening import OpenLink
     from pirate_sm.running.recording.format.header import RunHeader
+    from pirate_sm.running.runtime.phase_times import ForecastWatch
 
 
 # --- the order ------------------------------------------------------------------------------------
@@ -155,6 +156,7 @@ class Prepared(Equipment):
         panel: The control panel, unopened; None if there is none.
         resumed: The header of the run that it resumes, with what it resumes with; None if it
             is a run of its own.
+        forecast: Compares it with earlier runs; None if that was not asked.
     """
 
     order: Order
@@ -163,6 +165,7 @@ class Prepared(Equipment):
     detecting: Detecting = NOBODY
     panel: ChosenPanel | None = None
     resumed: RunHeader | None = None
+    forecast: ForecastWatch | None = None
 
     @property
     def detector(self) -> str:

@@ -180,6 +180,7 @@ def _order(header: RunHeader, asked: Order) -> Order:
     return replace(
         recorded_order(header),
         **{"panel": None, **given},
+        forecast=None,  # earlier runs did not begin where this one does
         backend=header.backend,
         calibration=False,
         check=False,

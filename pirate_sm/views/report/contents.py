@@ -100,6 +100,14 @@ class TimelineMark(NamedTuple):
     about: str = ""
 
 
+class ExpectedEnd(NamedTuple):
+    """When earlier runs let expect that a span ends."""
+
+    from_s: float
+    until_s: float
+    about: str
+
+
 @dataclass(frozen=True)
 class Lane:
     """One row of the timeline; its ``spans`` do not overlap."""
@@ -107,6 +115,7 @@ class Lane:
     name: str
     spans: tuple[Span, ...] = ()
     marks: tuple[TimelineMark, ...] = ()
+    expected: tuple[ExpectedEnd, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -25,11 +25,13 @@ from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.replay import Rerun, rerun, same
 from pirate_sm.running.recording.viewers.viewer_messages import WheelPlacing
 from pirate_sm.running.runtime.near_misses import NearMisses
+from pirate_sm.running.runtime.phase_times import EarlierRuns
 from pirate_sm.views.drawing.graph.highlight import RunPath, Stop, highlight
 from pirate_sm.views.drawing.graph.mission_graph import mission_graph
 from pirate_sm.views.drawing.svg.svg_writer import svg
 from pirate_sm.views.report.charts import Measured, Samples, TravelChart, charts
 from pirate_sm.views.report.contents import Report, Sentence
+from pirate_sm.views.report.expected_times import with_expected_times
 from pirate_sm.views.report.film_strip import photos_of
 from pirate_sm.views.report.phase_lines import phase_lines
 from pirate_sm.views.report.poses import (
@@ -275,8 +277,12 @@ class RunContents:
 # --- of a recording -----------------------------------------------------------------------------
 
 
-def report_of(recording: Recording) -> Report:
+def report_of(recording: Recording, forecast: EarlierRuns | None = None) -> Report:
     """Return the report of a recorded run.
+
+    Args:
+        recording: The recording.
+        forecast: What earlier runs say about its times; None: nothing.
 
     Raises:
         RecordingError: The recording is damaged, or of a version that cannot be read any more.
@@ -291,7 +297,10 @@ def report_of(recording: Recording) -> Report:
         )
     photos = photos_of(recording, report.lanes)
     gaps = tuple((gap.from_s, gap.until_s) for gap in recording.gaps)
-    return replace(report, recording=recording.sha256, photos=photos, gaps=gaps)
+    report = replace(report, recording=recording.sha256, photos=photos, gaps=gaps)
+    if forecast is None:
+        return report
+    return with_expected_times(report, recording.effects(), forecast)
 
 
 def known_poses(recording: Recording, loaded: LoadedMission) -> Poses | None:

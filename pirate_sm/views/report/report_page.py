@@ -159,11 +159,13 @@ def _number(value: float, digits: int) -> float | int | None:
 
 
 def _lane(lane: Lane) -> Json:
-    return {
+    found: Json = {
         "name": lane.name,
         "spans": [[_seconds(s.start_s), _seconds(s.end_s), *s[2:]] for s in lane.spans],
         "marks": [[_seconds(mark.at_s), *mark[1:]] for mark in lane.marks],
     }
+    expected = [[_seconds(e.from_s), _seconds(e.until_s), e.about] for e in lane.expected]
+    return {**found, "expected": expected} if expected else found
 
 
 def _seconds(time_s: float) -> float:

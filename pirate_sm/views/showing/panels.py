@@ -276,9 +276,10 @@ def now(snapshot: Snapshot, width: int) -> list[Text]:
         elif not (snapshot.untouched or state.mission.begun):  # a fault has led it there
             phase = program.phase_of[state.mission.pc].rpartition("/")[2]
             lines.append(line((f"  r: resumes at {phase}", MUTED)))
-    return lines + (waiting(snapshot, width) if snapshot.scene.mission else []) or [
-        line((idle(snapshot), MUTED))
-    ]
+    lines += waiting(snapshot, width) if snapshot.scene.mission else []
+    if snapshot.left:
+        lines.append(line(("≈ ", MUTED), snapshot.left))
+    return lines or [line((idle(snapshot), MUTED))]
 
 
 def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:

@@ -249,6 +249,7 @@ class Snapshot:
         over: Whether nothing can happen any more.
         before_m: What the odometer had counted in the runs before this one.
         held_s: How long the run has made no newer snapshot, beyond what is usual; else 0.
+        left: How long the run will still take by earlier runs, in words; empty if unknown.
         ahead_s: How much more than ``now_s`` the clock showed that the engine was given.
     """
 
@@ -264,6 +265,7 @@ class Snapshot:
     before_m: float = 0.0
     ahead_s: float = 0.0
     held_s: float = 0.0
+    left: str = ""
 
     @property
     def engine_s(self) -> float:
@@ -432,6 +434,6 @@ def snapshot_of(
     elif prepared.reckoned is not None:
         truth, reckoned = prepared.reckoned(), True
     link = prepared.link() if prepared.link and state is not None else None
-    return Snapshot(
-        scene, now_s, state, story, truth, reckoned, link, trends.latest, over, before_m
-    )
+    left = prepared.forecast.left(now_s) if prepared.forecast and not over else ""
+    given = scene, now_s, state, story, truth, reckoned, link, trends.latest, over, before_m
+    return Snapshot(*given, left=left)

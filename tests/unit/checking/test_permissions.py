@@ -44,6 +44,7 @@ def test_every_option_of_a_scene_that_can_write_is_kept_below_its_folder(
     command: str, tmp_path: Path
 ) -> None:
     reads = {"file", "mission", "twin", "fitted", "script", "counterexample", "resume", "robot"}
+    reads.add("forecast")
     for each in _parameters(command):
         kind = str(get_args(each.annotation)[1].metavar)
         names_a_file = "FILE" in kind or "DIR" in kind or "OUT" in kind

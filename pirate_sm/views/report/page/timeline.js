@@ -76,6 +76,16 @@ const drawTimeline = () => {
     group.append(box);
   };
 
+  /** When earlier runs let expect that a span ends. */
+  const expected = (group, [from, until, about], y) => {
+    if (until < shown.from || from > shown.to) return;
+    const left = Math.max(gutter, xOf(from)), right = Math.min(width - EDGE, xOf(until));
+    const box = element('g', { class: 'expected' });
+    box.append(element('title', {}, `${about}: expected to end ${timeText(from)} to ${timeText(until)}`));
+    box.append(element('rect', { x: left, y: y + ROW - 6, width: Math.max(3, right - left), height: 5 }));
+    group.append(box);
+  };
+
   const row = (lane, y) => {
     const group = element('g', {}), tint = tintOf(lane), top = isNarrow() ? y + 14 : y;
     group.append(element('line', { class: 'rule', x1: 0, x2: width, y1: y, y2: y }));
@@ -84,6 +94,7 @@ const drawTimeline = () => {
       'text-anchor': isNarrow() ? 'start' : 'end',
     }, lane.name));
     lane.spans.forEach((each) => span(group, each, top, tint(each[2])));
+    (lane.expected || []).forEach((each) => expected(group, each, top));
     lane.marks.forEach((each, i) => {
       const next = lane.marks[i + 1];
       const open = lane.spans.every(([start, end]) => end <= each[0] || start > each[0]) && lane.spans.length === 0;
@@ -161,6 +172,7 @@ const drawTimeline = () => {
     const key = Object.entries(MEANING).filter(([kind]) => used.has(kind) && kind !== 'done')
       .map(([kind, meaning]) => `${SIGNS[kind]} ${meaning}`);
     if (used.has('unconfirmed')) key.push('▨ commanded, not yet confirmed by sensors');
+    if (data.lanes.some((lane) => lane.expected)) key.push('▬ when the phase was expected to end, by earlier runs');
     if (data.gaps.length) key.push('▒ nothing is known');
     byId('key').textContent = key.join('   ');
   };

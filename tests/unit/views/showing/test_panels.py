@@ -144,3 +144,10 @@ def test_a_run_that_is_over_before_it_began_is_not_being_opened(snapshot: Snapsh
 
     assert [each.plain for each in panels.now(over, 60)] == ["link.lost: no port"]
     assert "being opened" in panels.now(replace(over, over=False), 60)[0].plain
+
+
+def test_the_time_that_is_left_stands_below_what_is_waited_for(snapshot: Snapshot) -> None:
+    assert not any("≈" in each.plain for each in panels.now(snapshot, 60))
+    known = replace(snapshot, left="30.0 to 41.5 s left if it succeeds")
+    assert panels.now(known, 60)[-1].plain == "≈ 30.0 to 41.5 s left if it succeeds"
+    assert len(panels.now(known, 60)) == len(panels.now(snapshot, 60)) + 1

@@ -1,0 +1,151 @@
+"""`pirate forecast`: says how long the phases of a mission take, from earlier runs."""
+
+from __future__ import annotations
+
+import pickle
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from datetime import datetime
+from pathlib import Path
+
+from pirate_sm.cli.errors import say
+from pirate_sm.cli.options.recordings import ForecastOptions
+from pirate_sm.cli.output.files import is_recording, refuse_losses, write_file
+from pirate_sm.cli.output.terminal import progress, writable
+from pirate_sm.core.errors import RecordingError, UsageError
+from pirate_sm.core.library import shown
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.on_disk import is_folder
+from pirate_sm.core.visible import visible
+from pirate_sm.running.recording.forecast_file import (
+    CountedRun,
+    ForecastFile,
+    counted,
+    counted_run,
+    forecast_of,
+    unlike,
+)
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.runtime.phase_times import EarlierRuns
+from pirate_sm.running.wiring import Order
+
+ENOUGH, TOO_FEW = 0, 1
+
+
+def make_forecast(options: ForecastOptions) -> int:
+    """Print how long phases take, and write it to a file; return the exit code.
+
+    Raises:
+        LoadError: The mission or the campaign has faults.
+        UsageError: No run can be used, or the file cannot be written.
+    """
+    refuse_losses([options.output], inputs=map(Path, options.paths), overwrite=options.overwrite)
+    runs = list(_rehearsed(options) if options.rehearse else _recorded(options))
+    found, others = _alike(runs)
+    for why, number in others.items():
+        say(f"{number} of {len(runs)} runs are not counted: {why}")
+    if options.output is not None:
+        write_file(options.output, found.text())
+    forecast = found.times
+    for line in _lines(found, forecast):
+        print(writable(visible(line)))
+    return TOO_FEW if forecast.whole is None else ENOUGH
+
+
+def _recorded(options: ForecastOptions) -> Iterator[CountedRun]:
+    """Yield what the recordings say; those that cannot be read are named."""
+    paths = [found for place in options.paths for found in _recordings(Path(place))]
+    with progress("reading recordings") as watch:
+        for number, path in enumerate(paths):
+            watch(number / len(paths))
+            try:
+                run = counted(read_recording(path))
+            except RecordingError as error:
+                say(str(error))
+                continue
+            if options.mission in (None, run.header.mission):
+                yield run
+
+
+def _recordings(place: Path) -> Sequence[Path]:
+    if is_folder(place):
+        return sorted(place.rglob("*.mcap"))
+    if place.suffix != ".mcap" and not is_recording(place):
+        raise UsageError(f"'{place}' is no recording and no folder: --rehearse N runs a mission")
+    return [place]
+
+
+def _rehearsed(options: ForecastOptions) -> Iterator[CountedRun]:
+    """Yield runs in the simulator."""
+    from pirate_sm.lab.coverage.evidence import played
+
+    planned = _planned(options)
+    with progress("rehearsing in the simulator") as watch:
+        for number, (order, loaded) in enumerate(planned):
+            watch(number / len(planned))
+            run = played(order, loaded).run
+            yield counted_run(run.header, ((step.effects, step.at_s) for step in run.steps()))
+
+
+def _planned(options: ForecastOptions) -> list[tuple[Order, LoadedMission]]:
+    """Return the runs of the mission or of the cell of the campaign, with all seeds."""
+    from pirate_sm.core import library
+    from pirate_sm.lab.campaign.campaign_file import read_campaign
+    from pirate_sm.lab.campaign.plan import varied
+
+    if len(options.paths) != 1:
+        raise UsageError("--rehearse takes one mission or one campaign")
+    (named,) = options.paths
+    path = Path(named) if Path(named).suffix else library.find_mission(named)
+    plan = read_campaign(path, range(options.rehearse), check=False)
+    cells = [each for each in plan.cells if options.cell in (None, each.name)]
+    if len(cells) != 1:
+        names = ", ".join(f"'{each.name}'" for each in plan.cells)
+        raise UsageError(f"name one cell with --cell: {names}")
+    (cell,) = cells
+    loaded: LoadedMission = pickle.loads(plan.missions[cell.mission])
+    order = replace(cell.order, mission=shown(path)) if len(plan.cells) == 1 else cell.order
+    return [(replace(varied(cell, seed, {}), mission=order.mission), loaded) for seed in cell.seeds]
+
+
+def _alike(runs: Sequence[CountedRun]) -> tuple[ForecastFile, Counter[str]]:
+    """Return the forecast from the runs that are like the newest one, and why others do not count.
+
+    Raises:
+        UsageError: There is no run to count.
+    """
+    others = Counter(each.why_not for each in runs if each.why_not)
+    usable = [each for each in runs if not each.why_not]
+    if not usable:
+        why = "; ".join(f"{why} ({number})" for why, number in others.items())
+        raise UsageError(f"there is no run that can be counted{': ' if why else ''}{why}")
+    newest = max(usable, key=lambda each: datetime.fromisoformat(each.header.began)).header
+    bare = forecast_of(newest, ())
+    kept = []
+    for each in usable:
+        why = unlike(bare, each.header)
+        if not why and each.header.backend != newest.backend:
+            why = f"on the backend {each.header.backend}, not on {newest.backend}"
+        others.update([why] if why else ())
+        kept += [] if why else [each.visits]
+    return forecast_of(newest, kept), others
+
+
+def _lines(found: ForecastFile, forecast: EarlierRuns) -> Iterator[str]:
+    """Yield a line for each phase, and one for the whole run."""
+    pipe = f" in {found.pipe}" if found.pipe else ""
+    yield f"{found.forecast} on {found.robot}{pipe}: {forecast.of(len(found.runs))} that succeeded"
+    yield ""
+    wide = max((len(key.words) for key in forecast.keys), default=5)
+    yield f"{'phase':<{wide}}  runs   median  90 % of runs         slow after"
+    for key in forecast.keys:
+        if not forecast.matters(key):
+            continue
+        times_s, usual, slow = forecast.times_s(key), forecast.usual(key), forecast.slow(key)
+        middle = f"{times_s[len(times_s) // 2]:7.1f} s"
+        band = "too few runs" if usual is None else usual.words
+        after = "" if slow is None else f"{slow.limit_s:7.1f} s"
+        yield f"{key.words:<{wide}}  {len(times_s):4}  {middle}  {band:<18}  {after}".rstrip()
+    yield ""
+    yield forecast.notice.removeprefix("forecast: ")

@@ -1,0 +1,233 @@
+"""The times of earlier runs as a file, and whether they are of the same mission."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path, PurePath
+from typing import Annotated, NamedTuple
+
+from pydantic import Field, StringConstraints
+
+from pirate_sm.core.documents import read_document
+from pirate_sm.core.effects import Effect
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.fields import Format, Frozen, Name
+from pirate_sm.core.loading import LoadedMission, validate
+from pirate_sm.running.recording.format.header import RecordedFile, RunHeader, recorded_files
+from pirate_sm.running.recording.read.reader import Recording
+from pirate_sm.running.runtime.phase_times import EarlierRuns, PhaseVisits, Visit
+
+_Sha256 = Annotated[str, StringConstraints(pattern="^[0-9a-f]{64}$")]
+_Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class OfText(Frozen):
+    """A text that the runs were made from.
+
+    Attributes:
+        role: What it is for a run, such as ``mission`` or ``pipe``.
+        name: Name of its file.
+        sha256: Its hash, hexadecimal.
+    """
+
+    role: str
+    name: str
+    sha256: _Sha256
+
+
+class ForecastFile(Frozen):
+    """The times of runs that succeeded.
+
+    Attributes:
+        format: Version of this format.
+        forecast: Name of the mission.
+        robot: Name of the robot; ``pipe`` likewise, empty without one.
+        backend: What they ran on.
+        parameters: The values of the mission's parameters.
+        texts: Everything that the mission and its robot were read from.
+        runs: Of each run its phases in order, with their times, s.
+    """
+
+    format: Format
+    forecast: Name
+    robot: str
+    pipe: str = ""
+    backend: str
+    parameters: Mapping[Name, str] = Field(default_factory=dict)
+    texts: tuple[OfText, ...]
+    runs: tuple[tuple[tuple[str, _Seconds], ...], ...]
+
+    @property
+    def times(self) -> EarlierRuns:
+        """Return what they say about the next run."""
+        return EarlierRuns(self.runs, self.backend)
+
+    def text(self) -> str:
+        """Return the file's text, which :func:`read_forecast` reads."""
+        head = {name: getattr(self, name) for name in ("robot", "pipe", "backend", "parameters")}
+        return "\n".join(
+            [
+                "# How long the phases took in runs that succeeded, by `pirate forecast`.",
+                "# A run is compared with them: pirate-run MISSION --forecast FILE",
+                "format: 1",
+                f"forecast: {self.forecast}",
+                *(f"{name}: {json.dumps(value)}" for name, value in head.items()),
+                "texts:",
+                *(f"- {json.dumps(each.model_dump())}" for each in self.texts),
+                "runs:",
+                *(
+                    f"- {json.dumps([(phase, round(took_s, 3)) for phase, took_s in run])}"
+                    for run in self.runs
+                ),
+                "",
+            ]
+        )
+
+
+class CountedRun(NamedTuple):
+    """What a recording says for a forecast.
+
+    Attributes:
+        header: The set-up of the run.
+        visits: Its phases, with their times.
+        why_not: Why it does not count; empty if it does.
+    """
+
+    header: RunHeader
+    visits: Sequence[Visit]
+    why_not: str
+
+
+def counted(recording: Recording) -> CountedRun:
+    """Return what a recording says for a forecast.
+
+    Raises:
+        RecordingError: It is damaged.
+    """
+    steps = ((step.effects, step.at_s) for step in recording.effects())
+    return counted_run(recording.header, steps)
+
+
+def counted_run(header: RunHeader, steps: Iterable[tuple[Iterable[Effect], float]]) -> CountedRun:
+    """Return what a run says for a forecast, from its effects and their times."""
+    seen = PhaseVisits()
+    for effects, at_s in steps:
+        seen.see(effects, at_s)
+    why_not = _why_not(header)
+    if not why_not and (seen.ended is None or seen.ended.outcome != "succeeded"):
+        why_not = "without success"
+    return CountedRun(header, seen.visits, why_not)
+
+
+def _why_not(header: RunHeader) -> str:
+    if header.nominal:
+        return "a trace, in which nothing moved"
+    if header.resumed:
+        return "resumed another run"
+    if header.options.get("start_phase"):
+        return "begun with another phase"
+    if header.options.get("defects") or header.options.get("numbers"):
+        return "with a defect or other numbers of the robot or the pipe"
+    return ""
+
+
+def forecast_of(header: RunHeader, runs: Iterable[Sequence[Visit]]) -> ForecastFile:
+    """Return the forecast from runs with the set-up in this header."""
+    return ForecastFile(
+        format=1,
+        forecast=header.mission,
+        robot=header.robot,
+        pipe=header.pipe,
+        backend=header.backend,
+        parameters=dict(header.parameters),
+        texts=_texts(header.files),
+        runs=tuple(tuple(run) for run in runs),
+    )
+
+
+def _texts(files: Iterable[RecordedFile]) -> tuple[OfText, ...]:
+    return tuple(
+        OfText(role=each.role, name=PurePath(each.name).name, sha256=each.sha256) for each in files
+    )
+
+
+def unlike(it: ForecastFile, header: RunHeader) -> str:
+    """Return how a run differs from those of a forecast, in words; empty if it does not.
+
+    What it runs on may differ, as a simulated robot says something about the real one.
+    """
+    return _unlike(it, header.mission, header.robot, header.pipe, header.parameters, header.files)
+
+
+def _unlike(
+    it: ForecastFile,
+    mission: str,
+    robot: str,
+    pipe: str,
+    parameters: object,
+    files: Iterable[RecordedFile],
+) -> str:
+    for what, its, own in (
+        ("mission", it.forecast, mission),
+        ("robot", it.robot, robot),
+        ("pipe", it.pipe, pipe),
+    ):
+        if its != own:
+            return f"of the {what} {its or 'none'}, and this run has {own or 'none'}"
+    texts = _texts(files)
+    own_texts = {(each.role, each.sha256) for each in texts}
+    for each in it.texts:
+        if (each.role, each.sha256) not in own_texts:
+            now = next((own.sha256[:12] for own in texts if own.role == each.role), "none")
+            of = f"{each.role}, {each.name} with the SHA-256 {each.sha256[:12]}…"
+            return f"of another text of the {of}, and this run has {now}…"
+    if len(own_texts) > len({(each.role, each.sha256) for each in it.texts}):
+        return "of fewer texts than this run has"
+    return "" if it.parameters == parameters else "of runs with other values of parameters"
+
+
+def read_forecast(path: Path) -> ForecastFile:
+    """Return the forecast in a file.
+
+    Raises:
+        LoadError: Everything that is wrong with it.
+        UsageError: It is of another kind.
+    """
+    document = read_document(path)
+    if not isinstance(document.data, dict) or "forecast" not in document.data:
+        raise UsageError(f"{path} is no forecast: `pirate forecast` makes one")
+    return validate(document, ForecastFile)
+
+
+def forecast_for(path: str, loaded: LoadedMission) -> ForecastFile:
+    """Return the forecast in a file, which must be of this mission, robot and pipe.
+
+    Raises:
+        LoadError: Everything that is wrong with it.
+        UsageError: It is of another mission, or of another text of it.
+    """
+    robot, pipe = loaded.robot.name, loaded.pipe_name
+    files, mission = recorded_files(loaded), loaded.mission.mission
+    found = read_forecast(Path(path))
+    _refuse(path, _unlike(found, mission, robot, pipe, dict(loaded.parameters), files))
+    return found
+
+
+def forecast_for_report(path: Path, header: RunHeader) -> ForecastFile:
+    """Return the forecast in a file, which must be of the mission of this recording.
+
+    Raises:
+        LoadError: Everything that is wrong with it.
+        UsageError: It is of another mission, or of another text of it.
+    """
+    found = read_forecast(path)
+    _refuse(str(path), unlike(found, header))
+    return found
+
+
+def _refuse(path: str, why: str) -> None:
+    if why:
+        raise UsageError(
+            f"the forecast {path} is {why}: `pirate forecast` makes one from runs of this mission"
+        )
