@@ -72,7 +72,7 @@ def _recordings(place: Path) -> Sequence[Path]:
     if is_folder(place):
         return sorted(place.rglob("*.mcap"))
     if place.suffix != ".mcap" and not is_recording(place):
-        raise UsageError(f"'{place}' is no recording and no folder: --rehearse N runs a mission")
+        raise UsageError(f"'{place}' is neither a recording nor a folder: --rehearse N runs a mission")
     return [place]
 
 

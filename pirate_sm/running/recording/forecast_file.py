@@ -196,7 +196,7 @@ def read_forecast(path: Path) -> ForecastFile:
     """
     document = read_document(path)
     if not isinstance(document.data, dict) or "forecast" not in document.data:
-        raise UsageError(f"{path} is no forecast: `pirate forecast` makes one")
+        raise UsageError(f"{path} is not a forecast: `pirate forecast` makes one")
     return validate(document, ForecastFile)
 
 

@@ -32,7 +32,7 @@ _LOOK_S = 0.5
 """How often a run is looked at; so late it may be noticed that a phase is slow [decided]."""
 
 _WORTH_SAYING_S = 1.0
-"""Only of phases that may take so long it is said what is usual [decided]."""
+"""Phases that never take so long are not mentioned [decided]."""
 
 Visit: TypeAlias = tuple[str, float]
 """A phase, and how long a run was in it, s."""
@@ -209,7 +209,7 @@ class EarlierRuns:
         Whole runs are compared, so phases that are slow together count together.
 
         Args:
-            key: The present phase.
+            key: The current phase.
             spent_s: How long the run has been in it.
         """
         return band_of(
@@ -246,7 +246,7 @@ class EarlierRuns:
 
 
 class ForecastWatch(CompanionBase):
-    """Says what is usual of each phase as it begins, and warns as soon as it is slow.
+    """Says how long each phase usually takes as it begins, and warns as soon as it is slow.
 
     While the mission is paused, the time in its phase does not count; a phase begins again after.
 

@@ -151,8 +151,8 @@ def test_a_forecast_of_another_text_is_refused_with_the_name_of_that(
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("mission: hold\n", "is no forecast: `pirate forecast` makes one"),
-        ("- 1\n", "is no forecast"),
+        ("mission: hold\n", "is not a forecast: `pirate forecast` makes one"),
+        ("- 1\n", "is not a forecast"),
         ("forecast: hold\nformat: 1\n", "times.yaml:1:1: the key 'robot' is missing"),
     ],
 )
@@ -180,7 +180,7 @@ def test_what_cannot_be_counted_is_refused(pirate: Any, mission: Path, recorded:
     told = pirate("forecast", "trace.mcap")
     assert told.exit_code == 2
     assert "no run that can be counted: a trace, in which nothing moved (1)" in told.stderr
-    assert "'hold.yaml' is no recording" in pirate("forecast", "hold.yaml").stderr
+    assert "'hold.yaml' is neither a recording" in pirate("forecast", "hold.yaml").stderr
     assert "no run that can be counted" in pirate("forecast", ".", "--mission", "x").stderr
     told = pirate("forecast", recorded, "-o", recorded)
     assert (told.exit_code, "nothing is written over it" in told.stderr) == (2, True)
