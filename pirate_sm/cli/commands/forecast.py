@@ -5,7 +5,6 @@ from __future__ import annotations
 import pickle
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
@@ -14,7 +13,6 @@ from pirate_sm.cli.options.recordings import ForecastOptions
 from pirate_sm.cli.output.files import is_recording, refuse_losses, write_file
 from pirate_sm.cli.output.terminal import progress, writable
 from pirate_sm.core.errors import RecordingError, UsageError
-from pirate_sm.core.library import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.on_disk import is_folder
 from pirate_sm.core.visible import visible
@@ -72,7 +70,9 @@ def _recordings(place: Path) -> Sequence[Path]:
     if is_folder(place):
         return sorted(place.rglob("*.mcap"))
     if place.suffix != ".mcap" and not is_recording(place):
-        raise UsageError(f"'{place}' is neither a recording nor a folder: --rehearse N runs a mission")
+        raise UsageError(
+            f"'{place}' is neither a recording nor a folder: --rehearse N runs a mission"
+        )
     return [place]
 
 
@@ -97,7 +97,7 @@ def _planned(options: ForecastOptions) -> list[tuple[Order, LoadedMission]]:
     if len(options.paths) != 1:
         raise UsageError("--rehearse takes one mission or one campaign")
     (named,) = options.paths
-    path = Path(named) if Path(named).suffix else library.find_mission(named)
+    path = Path(named) if library.is_path(named) else library.find_mission(named)
     plan = read_campaign(path, range(options.rehearse), check=False)
     cells = [each for each in plan.cells if options.cell in (None, each.name)]
     if len(cells) != 1:
@@ -105,8 +105,8 @@ def _planned(options: ForecastOptions) -> list[tuple[Order, LoadedMission]]:
         raise UsageError(f"name one cell with --cell: {names}")
     (cell,) = cells
     loaded: LoadedMission = pickle.loads(plan.missions[cell.mission])
-    order = replace(cell.order, mission=shown(path)) if len(plan.cells) == 1 else cell.order
-    return [(replace(varied(cell, seed, {}), mission=order.mission), loaded) for seed in cell.seeds]
+    seeds = cell.seeds if cell.design is None else ()
+    return [(varied(cell, seed, {}), loaded) for seed in seeds]
 
 
 def _alike(runs: Sequence[CountedRun]) -> tuple[ForecastFile, Counter[str]]:
@@ -121,10 +121,9 @@ def _alike(runs: Sequence[CountedRun]) -> tuple[ForecastFile, Counter[str]]:
         why = "; ".join(f"{why} ({number})" for why, number in others.items())
         raise UsageError(f"there is no run that can be counted{': ' if why else ''}{why}")
     newest = max(usable, key=lambda each: datetime.fromisoformat(each.header.began)).header
-    bare = forecast_of(newest, ())
     kept = []
     for each in usable:
-        why = unlike(bare, each.header)
+        why = unlike(forecast_of(each.header, ()), newest)
         if not why and each.header.backend != newest.backend:
             why = f"on the backend {each.header.backend}, not on {newest.backend}"
         others.update([why] if why else ())

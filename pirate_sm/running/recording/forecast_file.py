@@ -65,13 +65,13 @@ class ForecastFile(Frozen):
 
     def text(self) -> str:
         """Return the file's text, which :func:`read_forecast` reads."""
-        head = {name: getattr(self, name) for name in ("robot", "pipe", "backend", "parameters")}
+        names = "forecast", "robot", "pipe", "backend", "parameters"
+        head = {name: getattr(self, name) for name in names}
         return "\n".join(
             [
                 "# How long the phases took in runs that succeeded, by `pirate forecast`.",
                 "# A run is compared with them: pirate-run MISSION --forecast FILE",
                 "format: 1",
-                f"forecast: {self.forecast}",
                 *(f"{name}: {json.dumps(value)}" for name, value in head.items()),
                 "texts:",
                 *(f"- {json.dumps(each.model_dump())}" for each in self.texts),
@@ -106,7 +106,8 @@ def counted(recording: Recording) -> CountedRun:
         RecordingError: It is damaged.
     """
     steps = ((step.effects, step.at_s) for step in recording.effects())
-    return counted_run(recording.header, steps)
+    found = counted_run(recording.header, steps)
+    return found._replace(why_not="damaged") if recording.gaps else found
 
 
 def counted_run(header: RunHeader, steps: Iterable[tuple[Iterable[Effect], float]]) -> CountedRun:
@@ -174,16 +175,16 @@ def _unlike(
         ("pipe", it.pipe, pipe),
     ):
         if its != own:
-            return f"of the {what} {its or 'none'}, and this run has {own or 'none'}"
+            return f"of the {what} {its or 'none'}, not {own or 'none'}"
     texts = _texts(files)
     own_texts = {(each.role, each.sha256) for each in texts}
     for each in it.texts:
         if (each.role, each.sha256) not in own_texts:
             now = next((own.sha256[:12] for own in texts if own.role == each.role), "none")
-            of = f"{each.role}, {each.name} with the SHA-256 {each.sha256[:12]}…"
-            return f"of another text of the {of}, and this run has {now}…"
+            of = f"of another text of the {each.role}: {each.name}"
+            return f"{of} has the SHA-256 {each.sha256[:12]}…, not {now}…"
     if len(own_texts) > len({(each.role, each.sha256) for each in it.texts}):
-        return "of fewer texts than this run has"
+        return "of a run without one of the texts"
     return "" if it.parameters == parameters else "of runs with other values of parameters"
 
 
