@@ -123,7 +123,7 @@ def _alike(runs: Sequence[CountedRun]) -> tuple[ForecastFile, Counter[str]]:
     newest = max(usable, key=lambda each: datetime.fromisoformat(each.header.began)).header
     kept = []
     for each in usable:
-        why = unlike(forecast_of(each.header, ()), newest)
+        why = unlike(forecast_of(each.header), forecast_of(newest))
         if not why and each.header.backend != newest.backend:
             why = f"on the backend {each.header.backend}, not on {newest.backend}"
         others.update([why] if why else ())

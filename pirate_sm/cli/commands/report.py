@@ -16,7 +16,7 @@ from pirate_sm.core.errors import RecordingError, UsageError
 from pirate_sm.core.on_disk import is_folder, why_hidden
 from pirate_sm.core.visible import visible
 from pirate_sm.lab.campaign.store import RECORDINGS, is_store
-from pirate_sm.running.recording.forecast_file import forecast_for_report
+from pirate_sm.running.recording.forecast_file import forecast_of, read_forecast
 from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.views.report import GENERATOR
 from pirate_sm.views.report.recording_report import report_of
@@ -96,8 +96,9 @@ def _write_report(path: Path, place: Path, forecast: Path | None) -> int:
     _refuse_foreign(place)
     with progress(f"reading {visible(str(path))}") as watch:
         recording = read_recording(path, watch)
-        found = None if forecast is None else forecast_for_report(forecast, recording.header)
-        text = html(report_of(recording, None if found is None else found.times))
+        own = forecast_of(recording.header)
+        earlier = None if forecast is None else read_forecast(forecast, own).times
+        text = html(report_of(recording, earlier))
     write_and_name(place, text)
     _warn(path, recording)
     return WRITTEN

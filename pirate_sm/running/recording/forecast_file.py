@@ -133,18 +133,20 @@ def _why_not(header: RunHeader) -> str:
     return ""
 
 
-def forecast_of(header: RunHeader, runs: Iterable[Sequence[Visit]]) -> ForecastFile:
+def forecast_of(header: RunHeader, runs: Iterable[Sequence[Visit]] = ()) -> ForecastFile:
     """Return the forecast from runs with the set-up in this header."""
-    return ForecastFile(
-        format=1,
-        forecast=header.mission,
-        robot=header.robot,
-        pipe=header.pipe,
-        backend=header.backend,
-        parameters=dict(header.parameters),
-        texts=_texts(header.files),
-        runs=tuple(tuple(run) for run in runs),
-    )
+    it, parameters, texts = header, dict(header.parameters), _texts(header.files)
+    names = {"forecast": it.mission, "robot": it.robot, "pipe": it.pipe, "backend": it.backend}
+    counted = tuple(map(tuple, runs))
+    return ForecastFile(format=1, **names, parameters=parameters, texts=texts, runs=counted)
+
+
+def forecast_for(loaded: LoadedMission) -> ForecastFile:
+    """Return the forecast of a mission that is to be run, without any run."""
+    names = {"forecast": loaded.mission.mission, "robot": loaded.robot.name, "backend": ""}
+    texts, parameters = _texts(recorded_files(loaded)), dict(loaded.parameters)
+    pipe = loaded.pipe_name
+    return ForecastFile(format=1, **names, pipe=pipe, parameters=parameters, texts=texts, runs=())
 
 
 def _texts(files: Iterable[RecordedFile]) -> tuple[OfText, ...]:
@@ -153,82 +155,43 @@ def _texts(files: Iterable[RecordedFile]) -> tuple[OfText, ...]:
     )
 
 
-def unlike(it: ForecastFile, header: RunHeader) -> str:
-    """Return how a run differs from those of a forecast, in words; empty if it does not.
+def unlike(it: ForecastFile, own: ForecastFile) -> str:
+    """Return how the set-up of a forecast differs from another one, in words; empty if not at all.
 
-    What it runs on may differ, as a simulated robot says something about the real one.
+    What the runs were made on may differ: a simulated robot says something about the real one.
     """
-    return _unlike(it, header.mission, header.robot, header.pipe, header.parameters, header.files)
-
-
-def _unlike(
-    it: ForecastFile,
-    mission: str,
-    robot: str,
-    pipe: str,
-    parameters: object,
-    files: Iterable[RecordedFile],
-) -> str:
-    for what, its, own in (
-        ("mission", it.forecast, mission),
-        ("robot", it.robot, robot),
-        ("pipe", it.pipe, pipe),
-    ):
-        if its != own:
-            return f"of the {what} {its or 'none'}, not {own or 'none'}"
-    texts = _texts(files)
-    own_texts = {(each.role, each.sha256) for each in texts}
-    for each in it.texts:
-        if (each.role, each.sha256) not in own_texts:
-            now = next((own.sha256[:12] for own in texts if own.role == each.role), "none")
-            of = f"of another text of the {each.role}: {each.name}"
-            return f"{of} has the SHA-256 {each.sha256[:12]}…, not {now}…"
-    if len(own_texts) > len({(each.role, each.sha256) for each in it.texts}):
+    for what, name in (("mission", "forecast"), ("robot", "robot"), ("pipe", "pipe")):
+        its, wanted = getattr(it, name), getattr(own, name)
+        if its != wanted:
+            return f"of the {what} {its or 'none'}, not {wanted or 'none'}"
+    theirs, ours = ({(text.role, text.sha256) for text in each.texts} for each in (it, own))
+    for text in it.texts:
+        if (text.role, text.sha256) not in ours:
+            now = next((each.sha256[:12] for each in own.texts if each.role == text.role), "none")
+            of = f"of another text of the {text.role}: {text.name}"
+            return f"{of} has the SHA-256 {text.sha256[:12]}…, not {now}…"
+    if ours - theirs:
         return "of a run without one of the texts"
-    return "" if it.parameters == parameters else "of runs with other values of parameters"
+    return "" if it.parameters == own.parameters else "of runs with other values of parameters"
 
 
-def read_forecast(path: Path) -> ForecastFile:
+def read_forecast(path: Path, own: ForecastFile | None = None) -> ForecastFile:
     """Return the forecast in a file.
+
+    Args:
+        path: The file.
+        own: The set-up of the run that it must be of; None: any.
 
     Raises:
         LoadError: Everything that is wrong with it.
-        UsageError: It is of another kind.
+        UsageError: It is of another kind, of another mission, or of another text of it.
     """
     document = read_document(path)
     if not isinstance(document.data, dict) or "forecast" not in document.data:
         raise UsageError(f"{path} is not a forecast: `pirate forecast` makes one")
-    return validate(document, ForecastFile)
-
-
-def forecast_for(path: str, loaded: LoadedMission) -> ForecastFile:
-    """Return the forecast in a file, which must be of this mission, robot and pipe.
-
-    Raises:
-        LoadError: Everything that is wrong with it.
-        UsageError: It is of another mission, or of another text of it.
-    """
-    robot, pipe = loaded.robot.name, loaded.pipe_name
-    files, mission = recorded_files(loaded), loaded.mission.mission
-    found = read_forecast(Path(path))
-    _refuse(path, _unlike(found, mission, robot, pipe, dict(loaded.parameters), files))
-    return found
-
-
-def forecast_for_report(path: Path, header: RunHeader) -> ForecastFile:
-    """Return the forecast in a file, which must be of the mission of this recording.
-
-    Raises:
-        LoadError: Everything that is wrong with it.
-        UsageError: It is of another mission, or of another text of it.
-    """
-    found = read_forecast(path)
-    _refuse(str(path), unlike(found, header))
-    return found
-
-
-def _refuse(path: str, why: str) -> None:
-    if why:
+    found = validate(document, ForecastFile)
+    if own is not None and (why := unlike(found, own)):
         raise UsageError(
             f"the forecast {path} is {why}: `pirate forecast` makes one from runs of this mission"
         )
+    return found

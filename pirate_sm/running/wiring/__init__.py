@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pirate_sm.core import library
@@ -128,9 +129,9 @@ def _forecast(file: str, loaded: LoadedMission) -> EarlierRuns:
         LoadError: Their file has errors.
         UsageError: They are of another mission, or of another text of it.
     """
-    from pirate_sm.running.recording.forecast_file import forecast_for
+    from pirate_sm.running.recording.forecast_file import forecast_for, read_forecast
 
-    return forecast_for(file, loaded).times
+    return read_forecast(Path(file), forecast_for(loaded)).times
 
 
 def _foretold(prepared: Prepared, forecast: EarlierRuns) -> Prepared:
