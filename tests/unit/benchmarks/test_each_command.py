@@ -63,6 +63,7 @@ NOT_RUN = {
     "editor": "talks with a server in a process; test_random_edits.py does the same",
     "falsify": "hundreds of runs of three missions; test_falsify.py searches in a toy",
     "mutants": "copies and compiles the tree, and runs tests itself; see test_mutants.py",
+    "page": "runs in real time that browsers watch; test_page_process.py stops one",
     "witness": "serves a port until it is asked to end; `kills` starts it",
 }
 

@@ -28,7 +28,7 @@ run_main()
     result = subprocess.run(
         [sys.executable, "-c", code, str(NEWT / "patrol.yaml")],
         capture_output=True, text=True, check=False, timeout=60,
-        env={"PYTHONPATH": str(ROOT), "PATH": ""},
+        env={"PYTHONPATH": str(ROOT), "PATH": "", "PIRATE_SM_CACHE": ""},
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
 
@@ -73,7 +73,7 @@ main()
     result = subprocess.run(
         [sys.executable, "-c", code, command, str(NEWT / "patrol.yaml")],
         capture_output=True, text=True, check=False, timeout=60,
-        env={"PYTHONPATH": str(ROOT), "PATH": ""},
+        env={"PYTHONPATH": str(ROOT), "PATH": "", "PIRATE_SM_CACHE": ""},
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
 

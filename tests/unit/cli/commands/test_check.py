@@ -283,7 +283,8 @@ def test_a_name_that_is_no_text_is_shown_all_the_same(pirate: Any, here: Path) -
     code = "from pirate_sm.cli.entry import main; main()"
     ran = subprocess.run(
         [sys.executable, "-c", code, "check", "."],
-        capture_output=True, check=False, env={"PYTHONPATH": str(ROOT), "PYTHONUTF8": "1"},
+        capture_output=True, check=False,
+        env={"PYTHONPATH": str(ROOT), "PYTHONUTF8": "1", "PIRATE_SM_CACHE": ""},
     )  # fmt: skip
     assert (ran.returncode, ran.stderr) == (1, b"")
     ran.stdout.decode("utf-8")

@@ -51,7 +51,7 @@ def test_a_run_on_a_latin_1_output_ends_as_elsewhere() -> None:
     options: dict[str, Any] = {"cwd": ROOT, "capture_output": True, "timeout": 60}
     result = subprocess.run(
         [sys.executable, "-c", code, str(NEWT / "patrol.yaml"), "--backend", "trace"],
-        env={"PYTHONIOENCODING": "latin-1", "PYTHONPATH": str(ROOT), "PATH": ""},
+        env={"PYTHONIOENCODING": "latin-1", "PYTHONPATH": str(ROOT), "PIRATE_SM_CACHE": ""},
         check=False, **options,
     )  # fmt: skip
 

@@ -41,7 +41,9 @@ class Robot:
         sensing = self.state.sensing._replace(numbers=tuple(numbers))
         state: EngineState = self.state._replace(sensing=sensing)
         assert self.detector.look(state, now_s) == ()
-        return [tuple(event) for event in self.detector.speak(now_s)]
+        said = self.detector.speak(now_s)
+        assert not any(each.by for each in said)
+        return [(each.word, each.valid_for_s) for each in said]
 
 
 def test_a_word_is_said_while_its_condition_holds_and_repeated_before_it_expires() -> None:
