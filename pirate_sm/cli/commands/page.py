@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import os
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.commands.replay import opened_recording
 from pirate_sm.cli.options.recordings import PageOptions
+from pirate_sm.core import library
 from pirate_sm.core.errors import ExitCode, RecordingError, UsageError, not_installed
 from pirate_sm.core.on_disk import why_hidden
 
 if TYPE_CHECKING:
     from pirate_sm.views.report.contents import Report
+    from pirate_sm.views.report.page_server import Shown
 
 
 def serve_page(options: PageOptions) -> int:
@@ -27,20 +31,49 @@ def serve_page(options: PageOptions) -> int:
         from pirate_sm.views.report.page_server import serve
     except ModuleNotFoundError:
         raise not_installed("the page", "tornado", "page") from None
-    if len(options.recordings) > 2:
-        raise UsageError("a page shows one run, or two to be compared")
-    paths = [Path(each) for each in options.recordings]
-    for path in paths:
-        if why := why_hidden(path):
-            raise RecordingError(f"{path} cannot be read: {why}")
 
     def say(address: str) -> None:
         print(f"open {address} in a browser; Ctrl-C ends it", flush=True)
 
     with suppress(KeyboardInterrupt):
-        shown = paths[0] if len(paths) == 1 else _compared(options.recordings)
-        asyncio.run(serve(shown, options.port, say, lambda _: asyncio.Event().wait()))
+        asyncio.run(serve(_shown(options), options.port, say, lambda _: asyncio.Event().wait()))
     return ExitCode.SUCCEEDED
+
+
+def _shown(options: PageOptions) -> Shown:
+    """Return what the page shows.
+
+    Raises:
+        RecordingError: A recording cannot be read.
+        UsageError: The options do not fit, or there is no such mission.
+    """
+    places = options.recordings
+    if any(map(_is_mission, places)):
+        from pirate_sm.views.report.mission_page import mission_page
+
+        if len(places) > 1:
+            raise UsageError("a page shows one mission, one run, or two runs to be compared")
+        mission = library.find_mission(places[0])
+        for find, name in ((library.find_robot, options.robot), (library.find_pipe, options.pipe)):
+            if name is not None:
+                find(name, Path.cwd())
+        return partial(mission_page, mission, options.robot, options.pipe)
+    if options.robot is not None or options.pipe is not None:
+        raise UsageError("--robot and --pipe are for the page of a mission")
+    if len(places) > 2:
+        raise UsageError("a page shows one run, or two to be compared")
+    for place in places:
+        if why := why_hidden(Path(place)):
+            raise RecordingError(f"{place} cannot be read: {why}")
+    return Path(places[0]) if len(places) == 1 else _compared(places)
+
+
+def _is_mission(place: str) -> bool:
+    """Return whether this names a mission: a file of YAML, or a shipped one."""
+    known = {path.stem for path in library.missions()}
+    return Path(place).suffix in (".yaml", ".yml") or (
+        place in known and not os.path.lexists(place)
+    )
 
 
 def _compared(places: list[str]) -> Report:

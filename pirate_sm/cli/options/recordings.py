@@ -143,17 +143,22 @@ class ReportOptions(CommandOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class PageOptions(CommandOptions):
-    """Show a run in browsers, also during the run.
+    """Show a run in browsers, also during it, or a mission.
 
     The page is that of `pirate report`. Of two runs it shows both, aligned by what their missions
-    have reached. It needs the extra page. Ctrl-C ends it.
+    have reached. Of a mission it shows what the check finds, the diagram, the pipe to scale and the
+    lines of the file, each time that it is loaded. It needs the extra page. Ctrl-C ends it.
 
     Exit codes: 0 ended by Ctrl-C, 2 a recording cannot be read or the page not be served.
     """
 
     recordings: list[str] = argument(
-        "RUN.mcap", candidates.recordings, "A recording, or two to be compared."
+        "RUN.mcap|MISSION",
+        candidates.missions_or_recordings,
+        "A recording, two to be compared, or a mission.",
     )
+    robot: str | None = common.a_robot("Of a mission: the robot.")
+    pipe: str | None = common.a_pipe("Of a mission: the pipe.")
     port: int | None = typed("Its port; 8790 otherwise, or any that is free.", min=0, max=65535)
 
 

@@ -24,6 +24,17 @@ _STYLE = """
 .figures table { border-collapse: collapse; font-size: 13px; margin: 0 0 10px; }
 .figures td, .figures th { padding: 3px 9px; text-align: left; vertical-align: top; }
 .figures tr { border-bottom: 1px solid var(--border); }
+.figures th { white-space: nowrap; }
+.figures a { color: var(--path); }
+.figures svg { max-width: 100%; height: auto; }
+.figures .drawing .paper { fill: none; }
+.listing { margin: 0; padding: 0 0 0 3.4em; overflow-x: auto; }
+.listing { font: 13px/1.5 ui-monospace, "DejaVu Sans Mono", monospace; }
+.listing li { white-space: pre; scroll-margin-top: 30vh; }
+.listing li::marker { color: var(--soft); }
+.listing .error { background: var(--bad-box); }
+.listing .warning, .listing .info { padding: 0; border: 0; background: var(--late-box); }
+.listing :target { outline: 2px solid var(--path); }
 """
 
 

@@ -15,7 +15,7 @@ from errno import EADDRINUSE
 from functools import cached_property
 from pathlib import Path
 from socket import create_server
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from tornado.httpserver import HTTPServer
 from tornado.iostream import IOStream
@@ -154,7 +154,11 @@ class _Page(_OnLoopback):
 
     async def get(self) -> None:
         """Answer with the page."""
-        if self.editions.newest is None and not self.application.settings["shows"]:
+        shows: Callable[[], str] | bool = self.application.settings["shows"]
+        if callable(shows):
+            self.finish(await asyncio.to_thread(shows))
+            return
+        if self.editions.newest is None and not shows:
             self.finish(_NOTHING)
             return
         edition = await self.editions.hand_out()
@@ -225,6 +229,11 @@ class _Changes(_OnLoopback, WebSocketHandler):
             pass
 
 
+Shown: TypeAlias = Path | Report | Callable[[], str]
+"""The recording of a run, which may be under way; a report; or what makes the page as HTML
+whenever it is asked for, in a thread of its own."""
+
+
 class PageServer:
     """The server of the page of a run.
 
@@ -274,7 +283,7 @@ class PageServer:
         """Return the address for a browser."""
         return f"http://{HOST}:{self.port}/"
 
-    async def show(self, shown: Path | Report) -> None:
+    async def show(self, shown: Shown) -> None:
         """Serve the page of a recording, or a report; pages that show another one load again.
 
         Raises:
@@ -282,7 +291,9 @@ class PageServer:
         """
         await self._end_report()
         self.editions.begin()
-        self._application.settings["shows"] = True
+        self._application.settings["shows"] = shown if callable(shown) else True
+        if callable(shown):
+            return
         if isinstance(shown, Report):
             self.editions.take(edition_of(shown))
             return
@@ -320,7 +331,7 @@ class PageServer:
 
 
 async def serve(
-    shown: Path | Report | None,
+    shown: Shown | None,
     port: int | None,
     said: Callable[[str], object],
     until: Callable[[PageServer], Awaitable[object]],
@@ -329,7 +340,7 @@ async def serve(
     """Serve a page.
 
     Args:
-        shown: The recording of a run, which may be under way, or a report; None: nothing yet.
+        shown: What it shows; None: nothing yet.
         port: The port; None: the default one, or any other that is free.
         said: Receives the address, once it can be opened.
         until: Returns when the server is to end, unless it is cancelled before.

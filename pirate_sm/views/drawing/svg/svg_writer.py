@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
+from types import MappingProxyType
 from xml.sax.saxutils import escape, quoteattr
 
 from pirate_sm.core.palette import DAY, NIGHT, Palette
@@ -106,10 +107,14 @@ BADGE = 16.0
 MOST_VISITS = 4
 
 
-def svg(graph: Graph) -> str:
+def svg(graph: Graph, links: Mapping[str, str] = MappingProxyType({})) -> str:
     """Return the graph as one self-contained SVG element, for a file or a page.
 
     Nodes have ``data-node``, edges ``data-from`` and ``data-to``, for scripts of a page.
+
+    Args:
+        graph: The graph.
+        links: The addresses to which nodes lead, by their ids.
     """
     whole = arranged(graph)
     about = f"{graph.title}: {graph.description}" if graph.description else graph.title
@@ -119,7 +124,8 @@ def svg(graph: Graph) -> str:
     for arrow in sorted(whole.arrows, key=lambda each: any(edge.taken for edge in each.edges)):
         lines += _arrow(arrow)
     for box in whole.boxes:
-        lines += _box(box)
+        link = links.get(box.node.id)
+        lines += _box(box) if link is None else [f"<a href={_quoted(link)}>", *_box(box), "</a>"]
     lines += _notes(whole)
     return "\n".join([*lines, "</svg>", ""])
 

@@ -120,6 +120,16 @@ def test_a_page_of_the_run_before_is_loaded_again_when_another_one_is_shown(
     run(work)
 
 
+def test_a_page_that_is_made_when_it_is_asked_for_is_made_again_each_time() -> None:
+    made = iter(["<p>one", "<p>two"])
+
+    async def work(server: PageServer) -> None:
+        await server.show(lambda: next(made))
+        assert [(await answer(server))[1] for _ in range(2)] == ["<p>one", "<p>two"]
+
+    run(work)
+
+
 async def answer(server: PageServer, **headers: str) -> tuple[int, str, Any]:
     """The status, the text and the headers that a request is answered with."""
     request = HTTPRequest(server.address, headers=headers)
