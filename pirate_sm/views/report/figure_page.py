@@ -33,7 +33,7 @@ _STYLE = """
 .listing li { white-space: pre; scroll-margin-top: 30vh; }
 .listing li::marker { color: var(--soft); }
 .listing .error { background: var(--bad-box); }
-.listing .warning, .listing .info { padding: 0; border: 0; background: var(--late-box); }
+.listing .warning, .listing .possible { padding: 0; border: 0; background: var(--late-box); }
 .listing :target { outline: 2px solid var(--path); }
 """
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
@@ -59,9 +60,13 @@ def _check(path: Path, findings: tuple[Finding, ...]) -> FigureSection:
 def _line(path: Path, finding: Finding) -> str:
     """Return where a finding is; in the mission's own file it leads there."""
     place = finding.place
-    if Path(place.file).name != path.name:
+    if not _is_in(path, finding):
         return escape(f"{Path(place.file).name}:{place.line}")
     return f'<a href="#L{place.line}">line {place.line}</a>'
+
+
+def _is_in(path: Path, finding: Finding) -> bool:
+    return os.path.realpath(finding.place.file) == os.path.realpath(path)
 
 
 def _how(finding: Finding) -> str:
@@ -88,7 +93,7 @@ def _drawn(loaded: LoadedMission) -> Iterator[FigureSection]:
 def _listing(path: Path, findings: tuple[Finding, ...]) -> FigureSection:
     worst: dict[int, Finding] = {}
     for each in sorted(findings, key=lambda each: each.severity):
-        if Path(each.place.file).name == path.name:
+        if _is_in(path, each):
             worst[each.place.line] = each
     rows = []
     text = path.read_text("utf-8", errors="replace")
