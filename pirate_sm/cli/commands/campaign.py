@@ -14,7 +14,7 @@ from time import monotonic
 from pirate_sm.cli.errors import StoppedError, say
 from pirate_sm.cli.options.estimates import CampaignOptions, MarginsOptions
 from pirate_sm.cli.output.terminal import progress
-from pirate_sm.cli.settings import BUILT_IN, SETTINGS, runs, unusable_runs
+from pirate_sm.cli.settings import BUILT_IN, SETTINGS, SettingValue, runs, unusable_runs
 from pirate_sm.core import library
 from pirate_sm.core.errors import UsageError, not_installed
 from pirate_sm.core.on_disk import is_file, is_folder
@@ -244,6 +244,11 @@ def _named(cells: Sequence[str]) -> str:
     return f"{', '.join(cells[:_MOST_NAMES])}{more}"
 
 
+def results_folder(name: str, found: SettingValue) -> Path:
+    """Return the default folder for the results of a campaign, by the setting for recordings."""
+    return Path(found.value or SETTINGS["runs"].usual) / f"{name}.campaign"
+
+
 def _usual_folder(name: str) -> Path:
     """Return the default folder for the results, which is there then if a setting names it.
 
@@ -251,7 +256,7 @@ def _usual_folder(name: str) -> Path:
         LoadError: It cannot be made there.
     """
     found = runs()
-    folder = Path(found.value or SETTINGS["runs"].usual) / f"{name}.campaign"
+    folder = results_folder(name, found)
     if found.value and found.source != BUILT_IN:
         try:
             folder.mkdir(parents=True, exist_ok=True)

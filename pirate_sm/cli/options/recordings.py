@@ -146,8 +146,9 @@ class PageOptions(CommandOptions):
     """Show a run in browsers, also during it, or a mission.
 
     The page is that of `pirate report`. Of two runs it shows both, aligned by what their missions
-    have reached. Of a mission it shows what the check finds, the diagram, the pipe to scale and the
-    lines of the file, each time that it is loaded. It needs the extra page. Ctrl-C ends it.
+    have reached. Of a mission it shows what the check finds, the diagram, the pipe to scale, how
+    far it holds if `pirate margins` has found that, and the lines of the file, each time that it
+    is loaded. It needs the extra page. Ctrl-C ends it.
 
     Exit codes: 0 ended by Ctrl-C, 2 a recording cannot be read or the page not be served.
     """
@@ -159,6 +160,11 @@ class PageOptions(CommandOptions):
     )
     robot: str | None = common.a_robot("Of a mission: the robot.")
     pipe: str | None = common.a_pipe("Of a mission: the pipe.")
+    margins: Path | None = option(
+        "FOLDER",
+        candidates.files,
+        "Of a mission: results of margins; runs/NAME.campaign otherwise.",
+    )
     port: int | None = typed("Its port; 8790 otherwise, or any that is free.", min=0, max=65535)
 
 

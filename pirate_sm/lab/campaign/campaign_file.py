@@ -94,8 +94,8 @@ def read_campaign(
         raise UsageError(f"{shown(path)} is neither a campaign nor a mission: {_what(kind)}")
     if seeds is None and "margins" not in more:
         raise UsageError(f"{shown(path)} is a mission: say how often it runs with --seeds N")
-    missions = [{"mission": str(path.resolve())}]
-    text = json.dumps({"format": 1, "campaign": _name(path), "missions": missions, **more})
+    one = {"campaign": campaign_of_one(path), "missions": [{"mission": str(path.resolve())}]}
+    text = json.dumps({"format": 1, **one, **more})
     named = OPTIONS_GIVEN if more else shown(path)
     return _Reading(parse_document(text, named), Path(), seeds).plan(check=check)
 
@@ -141,7 +141,7 @@ _BY_VALUE = frozenset({"condition.beyond"})
 """Codes of warnings that a value which a campaign gives to a parameter can bring about."""
 
 
-def _name(mission: Path) -> str:
+def campaign_of_one(mission: Path) -> str:
     """Return the name of the campaign of one mission: that of its file, as a name may be."""
     plain = re.sub(r"[^A-Za-z0-9_]", "_", mission.stem)
     return (plain if plain[:1].isalpha() else f"mission_{plain}")[:LONGEST_NAME]

@@ -9,7 +9,7 @@ from pirate_sm.lab.campaign.margins import FactorMargin, PairMap, TriedValue
 from pirate_sm.lab.campaign.sequential import DOUBTFUL, FAILS, HOLDS, REFUSED
 
 MARGINS_STYLE = """<style>
-.margins { width: 100%; max-width: 860px; height: auto; display: block; }
+.figures .margins { width: 100%; min-width: 620px; max-width: 860px; display: block; }
 .margins text { font: 12px system-ui, sans-serif; fill: var(--ink); }
 .margins .soft { fill: var(--soft); font-size: 11px; }
 .margins .holds { fill: var(--good); } .margins .doubtful { fill: var(--late); }
@@ -49,12 +49,12 @@ def _envelope(factors: Sequence[FactorMargin]) -> Iterator[str]:
     height = _ROW * len(factors) + 6
     said = "; ".join(f"{each.name} {each.words}" for each in factors)
     yield (
-        f'<svg class="margins" viewBox="0 0 {_WIDTH:g} {height:g}" role="img" '
-        f'aria-label="{escape(said)}">'
+        f'<div class="wide" tabindex="0"><svg class="margins" viewBox="0 0 {_WIDTH:g} {height:g}" '
+        f'role="img" aria-label="{escape(said)}">'
     )
     for number, factor in enumerate(factors):
         yield from _row(factor, _ROW * number + 18)
-    yield "</svg>"
+    yield "</svg></div>"
 
 
 def _row(factor: FactorMargin, y: float) -> Iterator[str]:

@@ -21,10 +21,7 @@ from pirate_sm.views.drawing.svg.plot import Plot, PlotSeries
 from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
 _STYLE = """<style>
-.wide { overflow-x: auto; }
-.heat td { text-align: center; border: 1px solid var(--border); min-width: 90px; }
 .heat .bad { outline: 2px solid var(--bad); outline-offset: -2px; }
-.heat small { display: block; color: var(--soft); }
 .causes code { font-size: 12px; user-select: all; }
 .figures .plot { display: inline-block; width: 100%; max-width: 440px; margin: 6px 10px 0 0; }
 </style>"""

@@ -185,10 +185,17 @@ def _faults(line: LineFaults | None) -> Iterator[str]:
 # --- keys
 
 
-def key_of(order: Order, loaded: LoadedMission, end: TrueEnd, design: Design | None) -> str:
+def key_of(
+    order: Order,
+    loaded: LoadedMission,
+    end: TrueEnd,
+    design: Design | None,
+    version: str | None = None,
+) -> str:
     """Return a digest of all that the result of a run depends on but its seed.
 
-    Files count by their content, not by their names, which may differ elsewhere.
+    Files count by their content, not by their names, which may differ elsewhere. The version is
+    that of this code, if no other one is given.
     """
     twin, _ = twin_named(order.twin or "", 0)
     which = (order.twin or "")[len(twin) :] or None
@@ -196,7 +203,7 @@ def key_of(order: Order, loaded: LoadedMission, end: TrueEnd, design: Design | N
     kind, _, camera = (order.detector or "").partition(":")
     named = [twin, camera if kind == "vision" else ""]
     parts = [
-        code_version(),
+        version or code_version(),
         json.dumps(to_jsonable_python(rest), sort_keys=True),
         end.model_dump_json(),
         *([] if design is None else [design.digest]),

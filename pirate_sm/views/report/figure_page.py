@@ -28,6 +28,10 @@ _STYLE = """
 .figures a { color: var(--path); }
 .figures svg { max-width: 100%; height: auto; }
 .figures .drawing .paper { fill: none; }
+.wide { overflow-x: auto; }
+.figures .heat :is(td, thead th) { text-align: center; }
+.heat td { border: 1px solid var(--border); min-width: 90px; }
+.heat small { display: block; color: var(--soft); }
 .listing { margin: 0; padding: 0 0 0 3.4em; overflow-x: auto; }
 .listing { font: 13px/1.5 ui-monospace, "DejaVu Sans Mono", monospace; }
 .listing li { white-space: pre; scroll-margin-top: 30vh; }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from html import escape
 from pathlib import Path
 
@@ -20,28 +20,39 @@ from pirate_sm.views.report.figure_page import FigureSection, figure_page
 from pirate_sm.views.report.phase_lines import phase_lines
 
 
-def mission_page(path: Path, robot: str | None = None, pipe: str | None = None) -> str:
+def mission_page(
+    path: Path,
+    robot: str | None = None,
+    pipe: str | None = None,
+    known: Callable[[], Iterable[FigureSection]] = tuple,
+) -> str:
     """Return the page as HTML; of a mission that cannot be loaded, with what is wrong.
 
     Args:
         path: The file of the mission.
         robot: The robot, instead of the mission's own.
         pipe: The pipe, instead of the mission's own.
+        known: Returns what else is known of the mission, which is shown if it can be loaded.
     """
     try:
-        return _page(path, robot, pipe)
+        return _page(path, robot, pipe, known)
     except (PirateError, OSError) as error:  # such as a file that has been removed since
         return figure_page(path.name, [FigureSection("It cannot be shown", [str(error)])])
 
 
-def _page(path: Path, robot: str | None, pipe: str | None) -> str:
+def _page(
+    path: Path,
+    robot: str | None,
+    pipe: str | None,
+    known: Callable[[], Iterable[FigureSection]],
+) -> str:
     findings = check_paths([str(path)], Wishes(robot=robot, pipe=pipe)).open
     try:
         loaded = load_mission(path, robot=robot, pipe=pipe)
     except LoadError:
         loaded = None
     title = path.stem if loaded is None else loaded.mission.mission
-    parts = [_check(path, findings), *([] if loaded is None else _drawn(loaded))]
+    parts = [_check(path, findings), *([] if loaded is None else (*_drawn(loaded), *known()))]
     return figure_page(f"{title}: before its run", [*parts, _listing(path, findings)])
 
 
