@@ -16,6 +16,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 from pirate_sm.cli.options.running import RunOptions
+from pirate_sm.cli.stepper import STEPPER_KEYS, Stepper
 from pirate_sm.core.effects import Ask, Effect, Ended, Log, TriggerFired, WaitArmed
 from pirate_sm.core.errors import ExitCode, UsageError
 from pirate_sm.core.events import Answer, Event
@@ -97,22 +98,26 @@ class _Share:
 
 
 class SharedKeys:
-    """Shares a keyboard: some keys are the detector's words, all others are answers.
+    """Shares a keyboard: some keys are for a paused mission or words, all others are answers.
 
     Attributes:
-        words: The keys for words.
+        stepper: The keys for a paused mission.
+        words: The keys for words of the detector.
         answers: The other keys.
     """
 
-    def __init__(self, keys: Keys, for_words: str) -> None:
+    def __init__(self, keys: Keys, for_words: str, for_stepper: str = "") -> None:
         self._keys = keys
-        self._for_words = for_words
+        self._for_words, self._for_stepper = for_words, for_stepper
+        self.stepper = _Share(self._look)
         self.words = _Share(self._look)
         self.answers = _Share(self._look)
 
     def _look(self) -> None:
         for key in self._keys.pressed():
-            share = self.words if key.lower() in self._for_words else self.answers
+            low = key.lower()
+            share = self.words if low in self._for_words else self.answers
+            share = self.stepper if low in self._for_stepper else share
             share.waiting += key
 
 
@@ -217,12 +222,14 @@ class People(NamedTuple):
         words: Says the detector's words from the keyboard.
         panel: Does all else that a panel does.
         page: Does what is pressed on the page.
+        stepper: Resumes a mission that a breakpoint has paused, from the keyboard.
     """
 
     operator: Operator | None = None
     words: WordKeys | None = None
     panel: PanelCompanion | None = None
     page: PanelCompanion | None = None
+    stepper: Stepper | None = None
 
 
 class Desk(NamedTuple):
@@ -294,7 +301,8 @@ def people_of(
         live: Whether the run is redrawn in place, with its questions.
 
     Raises:
-        UsageError: The detector is an operator who could neither see the run nor act.
+        UsageError: The detector is an operator who could neither see the run nor act, or
+            no operator could resume the mission after a breakpoint.
     """
     shown = sys.stdout if on_terminal else sys.stderr
     present = shown is not None and shown.isatty() and can_type()
@@ -304,9 +312,15 @@ def people_of(
     says_words = by_keys or any(each is not None and each.says_words for each in (panel, page))
     if prepared.detector == "operator" and not says_words:
         raise UsageError("--detector operator needs a terminal to show the run and read keys")
+    breaks = bool(prepared.order.breakpoints)
+    if breaks and not (present or page is not None or (panel is not None and panel.resumes)):
+        needs = "a terminal with its keys, a panel with a button that resumes, or --page"
+        raise UsageError(
+            f"--break pauses the mission, and no operator could resume it: it needs {needs}"
+        )
     answering = present or (panel is not None and panel.answers)
     asked = answering and not options.yes and not prepared.attended
-    if not (asked or by_keys):
+    if not (asked or by_keys or (breaks and present)):
         return People(panel=panel, page=page)
     from pirate_sm.robot.detectors.simple_detectors import LETTERS, WordKeys
 
@@ -315,15 +329,17 @@ def people_of(
             print(visible(text), file=shown, flush=True)
 
     sources: list[Keys] = [panel] if panel is not None else []
-    words = None
+    words = stepper = None
     if present:
-        keys = SharedKeys(stack.enter_context(TerminalKeys()), LETTERS if by_keys else "")
+        for_words, for_stepper = LETTERS if by_keys else "", STEPPER_KEYS if breaks else ""
+        keys = SharedKeys(stack.enter_context(TerminalKeys()), for_words, for_stepper)
         sources.append(keys.answers)
+        stepper = Stepper(keys.stepper) if breaks else None
         if by_keys:
             robot, valid_for_s = prepared.loaded.robot, _valid_for_s(prepared)
             words = WordKeys(keys.words, robot.detector_words, valid_for_s)
     operator = Operator(AllKeys(sources), answers(prepared.loaded), show) if asked else None
-    return People(operator, words, panel, page)
+    return People(operator, words, panel, page, stepper)
 
 
 def _presses(

@@ -9,6 +9,7 @@ from pirate_sm.core._model.events import (
     READABLE_ALPHABETS,
     Abort,
     Answer,
+    Breakpoints,
     CommandFailed,
     DetectorWord,
     EnvironmentReport,

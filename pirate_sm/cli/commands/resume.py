@@ -262,7 +262,7 @@ CAN, CANNOT, LEFT = 0, 1, 2
 _MEANT_FOR = {
     *("resume", "look", "at", "accept", "states", "start_at_m", "port", "baud", "guard_for_s"),
     *("detector", "panel", "record", "no_record", "live", "yes", "plain", "json", "quiet"),
-    *("debug", "version", "speed", "theme", "written"),
+    *("debug", "version", "speed", "theme", "written", "breakpoints"),
 }
 
 _QUESTION = "[g]o on, [r]egrip (on_failure), [l]ook again, or leave [enter]? "

@@ -142,12 +142,13 @@ def _mission_run(
         requests=requests,
         factor=manner.factor,
         resuming=resuming,
+        breakpoints=prepared.breakpoints,
     )
 
 
 def _companions(prepared: Prepared, kept: Kept, people: People, *, yes: bool) -> list[Companion]:
     """Return the companions of the mission, with one that answers its questions."""
-    operator, words, panel, page = people
+    operator, words, panel, page, stepper = people
     companions: list[Companion] = [*prepared.companions, *kept.companions]
     if panel or (operator and answers(prepared.loaded)):
         # A user may decide differently the next time.
@@ -155,7 +156,7 @@ def _companions(prepared: Prepared, kept: Kept, people: People, *, yes: bool) ->
     if not prepared.attended:
         nobody = FirstChoice("--yes") if yes else FirstChoice("no terminal", "warning")
         companions.append(operator or nobody)
-    return companions + [each for each in (words, panel, page) if each is not None]
+    return companions + [each for each in (words, panel, page, stepper) if each is not None]
 
 
 def _begun(output: Output) -> bool:

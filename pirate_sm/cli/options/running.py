@@ -36,6 +36,15 @@ class _RobotRunOptions(CommandOptions):
     adopt: bool = ahead_of(
         "ruler", flag("Adopt a robot that is clamped already, as its sensors show it.", "--adopt")
     )
+    breakpoints: list[str] | None = ahead_of(
+        "jitter",
+        option(
+            "PHASE|[FILE:]LINE",
+            candidates.phases,
+            "Pause before this phase, end or line. Repeatable.",
+            "--break",
+        ),
+    )
     no_record: bool = ahead_of("jitter", flag("Record nothing.", "--no-record"))
     live: bool = ahead_of(
         "jitter", flag("Stream to Foxglove or Lichtblick on this machine.", "--live")
@@ -53,7 +62,8 @@ class _RobotRunOptions(CommandOptions):
         """
         from pirate_sm.running.wiring import Order
 
-        return Order(self.mission or "", **values_of(self.written))
+        given = tuple(self.breakpoints or ())
+        return Order(self.mission or "", **values_of(self.written), breakpoints=given)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -88,10 +88,10 @@ class Engine:
             if not nominal and spec is not None and not signals.isdisjoint(spec.targets)
         )
 
-    def start(
+    def start(  # noqa: C901 - each thing with which a run may begin
         self,
         now_s: float = 0.0,
-        seen: Sequence[events.SensorFrame | events.SignalReport] = (),
+        seen: Sequence[events.SensorFrame | events.SignalReport | events.Breakpoints] = (),
         *,
         body: RobotState | None = None,
         paused: bool = False,
@@ -101,8 +101,9 @@ class Engine:
 
         Args:
             now_s: Start time, in seconds.
-            seen: Reports of the boards, or of a script, from before the start. An angle that the
-                first array keeps must be among them, otherwise 0 is assumed.
+            seen: Reports of the boards, or of a script, from before the start, and the breakpoints
+                of the operator. An angle that the first array keeps must be among them, otherwise 0
+                is assumed.
             body: The robot's state after an earlier mission. None declares it at rest in the
                 configuration in which the program begins.
             paused: Whether the mission starts paused, with the operator in control.
@@ -153,6 +154,8 @@ class Engine:
         for report in seen:
             if isinstance(report, events.SignalReport):
                 state = inputs.signal_report(moment, state, report)
+            elif isinstance(report, events.Breakpoints):
+                state = inputs.obey(moment, state, report)
         if resumed is not None:
             state = _take_up(moment, state, resumed)
         return settle(moment, state, state), tuple(moment.effects)

@@ -23,6 +23,7 @@ from pirate_sm.core._model.events import (
     EVIDENCE_ENDS,
     Abort,
     Answer,
+    Breakpoints,
     CommandFailed,
     DetectorWord,
     EnvironmentReport,
@@ -245,7 +246,7 @@ def awaits_torques(program: Program, state: EngineState) -> bool:
 # --- the operator, for the engine and for views ----------------------------------------------
 
 
-def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
+def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:  # noqa: C901 - one case for each request
     """Carry out a request of the operator, or emit a warning that says why it is refused."""
     match request:
         case OperatorCommand():
@@ -263,15 +264,31 @@ def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
         case Skip(trigger):
             return state._replace(mission=state.mission._replace(skipped=trigger))
         case Pause():
-            return flow.want_pause(state)
-        case Resume() | Step():
-            return flow.resume(moment, state, one_step=isinstance(request, Step))
+            return flow.want_pause(state._replace(mission=state.mission._replace(until="")))
+        case Resume():
+            return _resume(moment, state, until=request.until)
+        case Step():
+            return _resume(moment, state, one_step=True)
+        case Breakpoints(at):
+            return state._replace(mission=state.mission._replace(breakpoints=at))
         case GoTo():
             return flow.go_to(moment, state, request)
         case Abort(reason):
             return flow.end(moment, state, "interrupted", reason)
         case _:
             assert_never(request)
+
+
+def _resume(
+    moment: Moment, state: EngineState, *, one_step: bool = False, until: str = ""
+) -> EngineState:
+    """Resume the mission, past a breakpoint at its current instruction."""
+    before = state.mission
+    state = flow.resume(moment, state, one_step=one_step)
+    if state.mission.paused:
+        return state
+    passes = before.passes or before.paused or before.pause_wanted
+    return state._replace(mission=state.mission._replace(passes=passes, until=until))
 
 
 def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> EngineState:

@@ -97,6 +97,10 @@ class MissionState(NamedTuple):
         paused_s: When the present pause began, NaN while running.
         pause_wanted: Whether the mission pauses as soon as no array is awaited.
         one_step: Whether the mission pauses again after this instruction.
+        breakpoints: Places of the instructions before which it pauses.
+        until: Another one, before which it pauses once; empty for none.
+        passes: Whether its current instruction begins in spite of a breakpoint, because the
+            operator has resumed the mission there.
         sight_until_s: Until when it pauses for sensors to show again that a part holds; infinite
             if it does not.
         second_s: Mission time at which the second began in which ``entered`` counts phases.
@@ -121,6 +125,9 @@ class MissionState(NamedTuple):
     paused_s: float = nan
     pause_wanted: bool = False
     one_step: bool = False
+    breakpoints: tuple[str, ...] = ()
+    until: str = ""
+    passes: bool = False
     sight_until_s: float = inf
     before_pause: BeforePause | None = None
     ending: Ending | None = None
@@ -149,7 +156,14 @@ class MissionState(NamedTuple):
     def at(self, pc: int) -> MissionState:
         """Return the mission at the start of the instruction at ``pc``."""
         return self._replace(
-            pc=pc, begun=False, tries=0, since=(), result=None, answer=None, skipped=None
+            pc=pc,
+            begun=False,
+            tries=0,
+            since=(),
+            result=None,
+            answer=None,
+            skipped=None,
+            passes=False,
         )
 
 

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from math import inf, isnan, nan
 from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
 
-ALPHABET_VERSION = 11
+ALPHABET_VERSION = 12
 
-READABLE_ALPHABETS = (5, 6, 7, 8, 9, 10, 11)
+READABLE_ALPHABETS = (5, 6, 7, 8, 9, 10, 11, 12)
 """Recordings of these are read: 6 has an event more than 5."""
 
 EVIDENCE_ENDS = 10
@@ -179,9 +179,12 @@ class Resume(NamedTuple):
 
     Attributes:
         by: Where it was asked for, such as ``page``; empty for a keyboard and a panel.
+        until: The place before which it pauses again, once, as in :class:`Breakpoints`; empty for
+            none.
     """
 
     by: str = ""
+    until: str = ""
 
 
 class Step(NamedTuple):
@@ -194,6 +197,20 @@ class Step(NamedTuple):
     by: str = ""
 
 
+class Breakpoints(NamedTuple):
+    """The operator chooses before which instructions the mission pauses, instead of earlier ones.
+
+    Before the start of a run it is among what the engine has seen.
+
+    Attributes:
+        at: Places of instructions, ``file:line:col``.
+        by: Where it was asked for, as in :class:`Pause`.
+    """
+
+    at: tuple[str, ...] = ()
+    by: str = ""
+
+
 class GoTo(NamedTuple):
     """The operator resumes a paused mission at the beginning of one of its phases.
 
@@ -202,12 +219,14 @@ class GoTo(NamedTuple):
         states: State of each region when the phase was found to be possible.
         unconfirmed: Regions that were unconfirmed then.
         by: Where it was asked for, as in :class:`Pause`.
+        until: As in :class:`Resume`.
     """
 
     phase: str
     states: tuple[str, ...]
     unconfirmed: tuple[str, ...] = ()
     by: str = ""
+    until: str = ""
 
 
 class Skip(NamedTuple):
@@ -247,7 +266,16 @@ class Abort(NamedTuple):
 
 
 Request: TypeAlias = (
-    OperatorCommand | Observation | Answer | Pause | Resume | Step | GoTo | Skip | Abort
+    OperatorCommand
+    | Observation
+    | Answer
+    | Pause
+    | Resume
+    | Step
+    | Breakpoints
+    | GoTo
+    | Skip
+    | Abort
 )
 """A request of the operator, or of a program in place of an operator."""
 

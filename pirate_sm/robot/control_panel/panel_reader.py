@@ -374,7 +374,8 @@ class PanelCompanion:
 
     Attributes:
         listening: Whether an operator is watching the robot or is waited for.
-        says_words: Whether the panel has buttons for words; likewise ``answers``.
+        says_words: Whether the panel has buttons for words; likewise ``answers``, and ``resumes``
+            for a paused mission.
     """
 
     def __init__(
@@ -392,6 +393,7 @@ class PanelCompanion:
         buttons = reader.buttons
         self.says_words = any(isinstance(each, WordButton) for each in buttons)
         self.answers = any(isinstance(each, AnswerButton) for each in buttons)
+        self.resumes = any(isinstance(each, RunButton) and each.do == "go" for each in buttons)
         self._reader = reader
         self._robot = robot
         self._speaks = speaks

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from pirate_sm.core.effects import Effect
 from pirate_sm.core.engine import Engine, EngineState
-from pirate_sm.core.events import SensorFrame, SignalReport
+from pirate_sm.core.events import Breakpoints, SensorFrame, SignalReport
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import BranchKey
 from pirate_sm.running.recording.format.header import RunHeader
@@ -140,7 +140,7 @@ def rerun_steps(
         origin_s: When the run began, by the engine's clock.
     """
     after_gaps, is_lost = {gap.step for gap in gaps}, False
-    seen: list[SensorFrame | SignalReport] = []
+    seen: list[SensorFrame | SignalReport | Breakpoints] = []
     for step in steps:
         effects = step.effects
         if step.number in after_gaps:
@@ -148,7 +148,7 @@ def rerun_steps(
         if is_lost and state is not None:
             state = step.state or engine.listening_only(state, step.event, step.effects, step.at_s)
             is_lost = step.state is None
-        elif step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport):
+        elif step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport | Breakpoints):
             seen.append(step.event)
         elif step.by == "start":
             state, effects = engine.start(

@@ -138,6 +138,7 @@ class MissionRun:
         after: MissionRun | None = None,
         resuming: Resuming | None = None,
         paused: bool = False,
+        breakpoints: tuple[str, ...] = (),
         keep_open: bool = False,
     ) -> None:
         """Prepare a run without beginning it.
@@ -157,6 +158,7 @@ class MissionRun:
                 configuration, and time continues.
             resuming: What an interrupted mission resumes with, on a backend that is open.
             paused: Whether the operator controls the robot first.
+            breakpoints: Places of the instructions before which the mission pauses.
             keep_open: Whether the backend stays open when the engine itself has ended the run.
         """
         self._pump: Pump = Pump(
@@ -177,7 +179,7 @@ class MissionRun:
         self._pacer = Pacer(factor, self._clock, self.now_s)
         self._pulse_s = self._clock.now()
         self._output_lost = False
-        self._paused = paused
+        self._paused, self._breakpoints = paused, breakpoints
         self._keep_open = keep_open
 
     @property
@@ -203,7 +205,7 @@ class MissionRun:
         """
         kept = False
         try:
-            self._pump.start(paused=self._paused)
+            self._pump.start(paused=self._paused, breakpoints=self._breakpoints)
             ended = self._go_on()
             kept = self._keep_open
         except (BackendRaisedError, DetectorError) as failure:

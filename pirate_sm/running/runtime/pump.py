@@ -14,7 +14,15 @@ from pirate_sm.core.companion import Companion, Counting, Following, Onlooker
 from pirate_sm.core.effects import Effect, Ended, Fault, Setpoints, WakeAt
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.errors import BackendError
-from pirate_sm.core.events import Abort, Event, FrameBlock, SensorFrame, SignalReport, Tick
+from pirate_sm.core.events import (
+    Abort,
+    Breakpoints,
+    Event,
+    FrameBlock,
+    SensorFrame,
+    SignalReport,
+    Tick,
+)
 from pirate_sm.core.resuming import AS_DECLARED, Beginning, Resumption
 from pirate_sm.core.robot import RobotState
 from pirate_sm.core.sensing import Glide
@@ -202,11 +210,12 @@ class Pump:
             if isinstance(companion, Following):
                 companion.follow(engine, lambda: self.state)
 
-    def start(self, *, paused: bool = False) -> None:
+    def start(self, *, paused: bool = False, breakpoints: tuple[str, ...] = ()) -> None:
         """Open the backend and start the engine.
 
         Args:
             paused: Whether the operator controls the robot first.
+            breakpoints: Places of the instructions before which the mission pauses.
 
         Raises:
             BackendRaisedError: The backend cannot be opened or takes no array.
@@ -216,7 +225,11 @@ class Pump:
         begins = Beginning(before and before.robot.at_rest(), paused)
         if self._resuming is not None:
             begins = Beginning(self._resuming.body, paused, self._resuming.resumption)
-        seen = [event for event in events if isinstance(event, SensorFrame | SignalReport)]
+        seen: list[SensorFrame | SignalReport | Breakpoints] = [
+            event for event in events if isinstance(event, SensorFrame | SignalReport)
+        ]
+        if breakpoints:
+            seen.append(Breakpoints(breakpoints))
         for each in seen:
             if isinstance(each, SensorFrame):
                 self._heard.hear(each)

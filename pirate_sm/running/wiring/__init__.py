@@ -97,6 +97,10 @@ def prepare(
     make = BACKENDS.find(order.backend)
     _refuse_for_others(order)
     loaded = loaded or load(order)
+    if order.breakpoints:
+        from pirate_sm.running.runtime.breakpoints import breakpoints
+
+        breakpoints(loaded, order.breakpoints, "--break ")
     if order.check:
         from pirate_sm.checking.gate import pass_or_raise
 
@@ -246,7 +250,13 @@ def placed(prepared: Prepared, start_at_m: float) -> Prepared:
 def chosen(order: Order, mission: str) -> Order:
     """Return the order with another mission, and without what was ordered for the one before."""
     return replace(
-        order, mission=mission, settings={}, start_phase=None, states=None, forecast=None
+        order,
+        mission=mission,
+        settings={},
+        start_phase=None,
+        states=None,
+        forecast=None,
+        breakpoints=(),
     )
 
 

@@ -42,12 +42,14 @@ class Order(GivenOptions):
         course: All events of a trace, in order.
         line: Faults of the line to the emulated bay; None: none.
         put_back: The pose of a simulated robot that is put back; None: as its mission begins.
+        breakpoints: Where the mission pauses, each as ``PHASE``, ``LINE`` or ``FILE:LINE``.
     """
 
     firings: tuple[Firing, ...] = ()
     course: tuple[Happening, ...] = ()
     line: LineFaults | None = None
     put_back: Standing | None = None
+    breakpoints: tuple[str, ...] = ()
 
 
 # --- the panel ------------------------------------------------------------------------------------
@@ -166,6 +168,13 @@ class Prepared(Equipment):
     panel: ChosenPanel | None = None
     resumed: RunHeader | None = None
     forecast: ForecastWatch | None = None
+
+    @property
+    def breakpoints(self) -> tuple[str, ...]:
+        """Places of the instructions before which the mission pauses from its start on."""
+        from pirate_sm.running.runtime.breakpoints import breakpoints
+
+        return breakpoints(self.loaded, self.order.breakpoints)
 
     @property
     def detector(self) -> str:

@@ -187,6 +187,7 @@ def _order(header: RunHeader, asked: Order) -> Order:
         also=None,
         ruler=False,
         start_at_m=None,
+        breakpoints=asked.breakpoints,
     )
 
 

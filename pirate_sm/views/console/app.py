@@ -35,6 +35,7 @@ from pirate_sm.views.console.dialogs import Dialog, Help, ObservationDialog, hel
 from pirate_sm.views.console.driving import is_still
 from pirate_sm.views.console.operator_actions import PanelActions
 from pirate_sm.views.console.session import OperatorSession
+from pirate_sm.views.console.stepping import BreakpointList
 from pirate_sm.views.console.terminal_driver import STOP_KEY
 from pirate_sm.views.console.widgets import (
     EventLog,
@@ -94,6 +95,7 @@ class Console(PanelActions, RobotApp):
         Binding(both_cases(MISSIONS), "missions", "Missions", key_display=MISSIONS),
         Binding("number_sign", "preflight", "Pre-flight", key_display="#"),
         Binding("exclamation_mark", "alarms", "Alarms", key_display="!"),
+        Binding("asterisk", "breakpoints", "Breakpoints", show=False),
         Binding("question_mark", "help", "Help", key_display="?"),
         Binding(both_cases(LEAVE), "leave", "Quit", key_display=LEAVE),
         Binding("ctrl+q", "leave", "Quit", show=False),
@@ -228,7 +230,7 @@ class Console(PanelActions, RobotApp):
         link = self.on_base(Lines, "link")
         link.set_class(snapshot.link is not None, "on")
         link.show(panels.link(snapshot))
-        if isinstance(self.screen, Help):
+        if isinstance(self.screen, Help | BreakpointList):
             self.screen.renew()
 
     def _show_rows(self, snapshot: Snapshot) -> None:

@@ -292,6 +292,7 @@ _ALWAYS = (
     ("Tab", "Next page, if the terminal is too small for all of it."),
     ("PgUp PgDn", "Earlier and later lines of the log."),
     ("#", "Pre-flight: the checks of pirate doctor on the open port, repeated."),
+    ("*", "Breakpoints: where the mission pauses; and run to a line."),
     ("!", "Every alarm with its time, in full; Enter there acknowledges one."),
     ("Esc", "The alarms shown are seen; no more of a series of commands; leave a dialog."),
     ("?", "This page; ↑ ↓ PgUp PgDn move it."),

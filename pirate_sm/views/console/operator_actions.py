@@ -51,8 +51,9 @@ from pirate_sm.views.console.driving import (
     is_still,
     place_m,
 )
-from pirate_sm.views.console.hand_back import FAULT, HandBackActions
+from pirate_sm.views.console.hand_back import FAULT
 from pirate_sm.views.console.missions import MissionActions
+from pirate_sm.views.console.stepping import SteppingActions, why_not_break
 from pirate_sm.views.console.terminal_driver import STOP_KEY
 from pirate_sm.views.showing.panels import choices
 
@@ -68,7 +69,7 @@ _ASKED = {
 """What each kind of worker finds out."""
 
 
-class OperatorActions(HandBackActions, MissionActions, AlarmActions):
+class OperatorActions(SteppingActions, MissionActions, AlarmActions):
     """The acting half of the console; every refusal is shown with the engine's reason.
 
     Attributes:
@@ -310,6 +311,8 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         yield SystemCommand("Pre-flight", "Check the open link", self.action_preflight)
         yield SystemCommand("Alarms", "Every alarm in full", self.action_alarms)
         yield SystemCommand("Missions", "Choose a mission", self.action_missions)
+        reason = why_not_break(snapshot)
+        yield SystemCommand("Breakpoints", reason or "Where it pauses", self.action_breakpoints)
         for word in snapshot.scene.robot.detector_words:
             yield SystemCommand(f"Detector: {word}", "Say it", partial(self.action_word, word))
 

@@ -439,6 +439,7 @@ class OperatorSession:
             after=before,
             resuming=self._resuming,
             paused=True,
+            breakpoints=self._breakpoints(before),
             keep_open=True,
         )
         self._resuming = None
@@ -446,6 +447,14 @@ class OperatorSession:
         self._bridge.begin(scene_of(prepared), prepared, run)
         kept.follow(run)
         return run
+
+    def _breakpoints(self, before: MissionRun | None) -> tuple[str, ...]:
+        """Return those of the run before if it had the same mission, else those of the order."""
+        state = before.state if before is not None else None
+        latest = self._bridge.latest.scene.loaded
+        if state is None or latest.documents != self.prepared.loaded.documents:
+            return self.prepared.breakpoints
+        return state.mission.breakpoints
 
     def _hopeless(self, result: Result, run: MissionRun) -> bool:
         """Return whether several runs have ended by a fault before any request of the operator."""

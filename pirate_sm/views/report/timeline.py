@@ -8,6 +8,7 @@ from pirate_sm.core import effects as fx
 from pirate_sm.core import events as ev
 from pirate_sm.core.effects import LaneMark, LaneSpan, MarkKind, SpanKind, with_reason
 from pirate_sm.core.engine import SHOWN, Evidence
+from pirate_sm.core.spelling import listed
 from pirate_sm.views.report.contents import Lane, Span, TimelineMark
 
 PHASE, CONTROL, COMMANDS, WAITS = "phase", "control", "commands", "waits for"
@@ -192,11 +193,11 @@ def operator_action(cause: object) -> str:
         return f"says {cause.word} on the {cause.by}" if cause.by else ""
     if not isinstance(cause, ev.Request):
         return ""
-    by = cause.by if isinstance(cause, ev.Pause | ev.Resume | ev.Step | ev.GoTo) else ""
+    by = getattr(cause, "by", "")
     return f"{_asked(cause)} on the {by}" if by else _asked(cause)
 
 
-def _asked(request: ev.Request) -> str:
+def _asked(request: ev.Request) -> str:  # noqa: C901 - one case for each request
     match request:
         case ev.OperatorCommand(command, share):
             return f"commands {command}" + (f" at {share:.0%}" if share != 1.0 else "")
@@ -206,12 +207,14 @@ def _asked(request: ev.Request) -> str:
             return f"answers {choice}"
         case ev.Pause():
             return "pauses"
-        case ev.Resume():
-            return "resumes"
+        case ev.Resume(until=until):
+            return f"resumes until {until}" if until else "resumes"
+        case ev.Breakpoints(at):
+            return f"sets breakpoints at {listed(at)}" if at else "clears all breakpoints"
         case ev.Step():
             return "asks for one step"
-        case ev.GoTo(phase):
-            return f"hands back at {phase}"
+        case ev.GoTo(phase, until=until):
+            return f"hands back at {phase}{f', until {until}' if until else ''}"
         case ev.Skip(trigger):
             return f"passes over {trigger or 'a wait'}"
         case ev.Abort(reason):

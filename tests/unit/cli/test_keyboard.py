@@ -5,9 +5,10 @@ from math import inf
 
 import pytest
 
-from pirate_sm.cli.people import AllKeys, Operator
+from pirate_sm.cli.people import AllKeys, Operator, SharedKeys
+from pirate_sm.cli.stepper import Stepper
 from pirate_sm.core.effects import Ask, TriggerFired, WaitArmed
-from pirate_sm.core.events import Answer, Event
+from pirate_sm.core.events import Answer, Event, Resume, Step
 
 
 class Keyboard:
@@ -116,3 +117,61 @@ def test_several_sources_are_one_keyboard() -> None:
     keyboard.keys, panel.keys = "1", "2"
     assert both.pressed() == "21"
     assert both.pressed() == ""
+
+
+class _Mission:
+    """A run whose mission is paused, or not."""
+
+    def __init__(self) -> None:
+        self.paused, self.ending = False, None
+
+    @property
+    def mission(self) -> _Mission:
+        return self
+
+
+@pytest.mark.parametrize(
+    ("keys", "says"),
+    [("r", Resume()), ("R", Resume()), (".", Step()), ("1\n", None), ("xr.", Resume()), ("", None)],
+)
+def test_keys_resume_a_paused_mission(keyboard: Keyboard, keys: str, says: Event | None) -> None:
+    run = _Mission()
+    stepper = Stepper(keyboard)
+    stepper.follow(None, lambda: run)  # type: ignore[arg-type,return-value]
+    stepper.react((), 1.0)
+    assert (stepper.due_s, stepper.listening) == (inf, False)
+
+    run.paused, keyboard.keys = True, "r"
+    stepper.react((), 2.0)
+    assert (stepper.due_s, stepper.listening) == (2.0, True)
+    (line,) = stepper.look(run, 2.0)  # type: ignore[arg-type]
+    assert "Ctrl-C" in line.message
+    assert stepper.speak(2.0) == (), "keys from before the pause are no answer"
+
+    keyboard.keys = keys
+    assert stepper.look(run, 2.1) == ()  # type: ignore[arg-type]
+    assert stepper.speak(2.1) == (() if says is None else (says,))
+
+    run.paused = False
+    stepper.react((), 3.0)
+    assert (stepper.due_s, stepper.listening) == (inf, False)
+
+
+def test_a_stop_during_the_pause_asks_no_more(keyboard: Keyboard) -> None:
+    run = _Mission()
+    stepper = Stepper(keyboard)
+    stepper.follow(None, lambda: run)  # type: ignore[arg-type,return-value]
+    run.paused = True
+    stepper.react((), 2.0)
+    run.ending = "so"  # type: ignore[assignment]
+    stepper.react((), 2.1)
+    assert not stepper.listening
+
+
+def test_keys_of_a_paused_mission_are_neither_words_nor_answers(keyboard: Keyboard) -> None:
+    shared = SharedKeys(keyboard, "abr", "r.")
+    keyboard.keys = "aR.1"
+
+    assert shared.stepper.pressed() == "R."
+    assert shared.words.pressed() == "a"
+    assert shared.answers.pressed() == "1"

@@ -76,6 +76,15 @@ def want_pause(state: EngineState) -> EngineState:
     return state._replace(mission=mission._replace(pause_wanted=True, sight_until_s=inf))
 
 
+def pause_at(moment: Moment, state: EngineState, place: str) -> EngineState:
+    """Return the state with a pause requested by a breakpoint at the current instruction."""
+    mission = state.mission
+    phase = moment.program.phase_of[mission.pc]
+    moment.emit(Log("info", f"breakpoint: {f'{phase} ' if phase else ''}pauses before {place}"))
+    mission = mission._replace(pause_wanted=True, one_step=False, until="")
+    return state._replace(mission=mission)
+
+
 def pause_if_wanted(moment: Moment, state: EngineState) -> EngineState:
     """Begin a requested pause, unless an array is still awaited."""
     mission, body = state.mission, state.robot
@@ -230,7 +239,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
     begin = moment.program.beginning(event.phase, body.control)
     assert begin is not None  # `why_not_go_to` has looked
     moment.emit(Log("info", f"handed back at {event.phase}"))
-    mission = _running(moment, mission).at(begin)._replace(handling="", cause="")
+    mission = _running(moment, mission).at(begin)._replace(handling="", cause="", until=event.until)
     return state._replace(robot=body, mission=mission)
 
 

@@ -49,6 +49,8 @@ def advance(moment: Moment, state: EngineState) -> EngineState:
         begins = isinstance(instruction, Do | SwitchControl) and not mission.begun
         if begins and has_come(mission.clock(moment.now_s), moment.program.time_limit_s):
             return state
+        if (mission.breakpoints or mission.until) and _breaks(mission, instruction):
+            return flow.pause_at(moment, state, instruction.place)
         after = _execute(moment, state, instruction)
         if after.mission.pc == mission.pc and after.mission.begun:
             return after
@@ -56,6 +58,16 @@ def advance(moment: Moment, state: EngineState) -> EngineState:
             return state
         state = after
     return end(moment, state, "failed", ROUND_AND_ROUND)
+
+
+def _breaks(mission: MissionState, it: Instruction) -> bool:
+    """Return whether the mission must pause before this instruction, which has not begun.
+
+    A command that is repeated after a failure has begun.
+    """
+    if mission.begun or mission.tries or mission.passes or not it.place:
+        return False
+    return it.place in mission.breakpoints or it.place == mission.until
 
 
 def _execute(  # noqa: C901 - one case for each kind of instruction

@@ -192,11 +192,12 @@ class Question(NamedTuple):
 
 
 class Say(NamedTuple):
-    """Logs a line."""
+    """Logs a line; ``place`` is empty for the result of a called mission."""
 
     level: Literal["info", "warning"]
     message: str
     next: int
+    place: str = ""
 
 
 class Raise(NamedTuple):
@@ -213,6 +214,7 @@ class Finish(NamedTuple):
     outcome: Literal["succeeded", "failed"]
     message: str
     end: str
+    place: str = ""
 
 
 Instruction: TypeAlias = (

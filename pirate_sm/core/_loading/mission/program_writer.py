@@ -213,7 +213,8 @@ class ProgramWriter:
             message = _message_of(end, name, scope)
             # A success that is claimed by a distance may meet a fault, see `claims`.
             handlers = scope.outer if end.succeed is None else scope.handlers
-            self.assembly.emit(out.Finish, "", handlers, outcome=outcome, message=message, end=name)
+            what = {"outcome": outcome, "message": message, "place": scope.place(("ends", name))}
+            self.assembly.emit(out.Finish, "", handlers, end=name, **what)
 
     def beginning(self, scope: Scope, phase: str) -> Label:
         """Return the label that a mission begins at; :meth:`begin` places it."""
@@ -327,8 +328,8 @@ class _PhaseWriter:
             case model.ControlStep():
                 self._switch(step, path, after)
             case model.LogStep():
-                message = self.scope.message(step.log, (*path, "log"))
-                self._emit(out.Say, level=step.level, message=message, next=after)
+                text, place = self.scope.message(step.log, (*path, "log")), self.scope.place(path)
+                self._emit(out.Say, level=step.level, message=text, next=after, place=place)
 
     def _branch(self, text: str, path: Path, if_true: Label, if_false: Label) -> None:
         asked = {"condition": self.scope.condition(text, path), "place": self.scope.place(path)}

@@ -44,11 +44,12 @@ def test_the_alphabet_is_what_its_version_says():
     # Who changes a line here changes ALPHABET_VERSION too: recordings tell them apart by it.
     letters = {kind.__name__: kind._fields for kind in classes(events) | classes(effects)}
 
-    assert events.ALPHABET_VERSION == 11
+    assert events.ALPHABET_VERSION == 12
     assert letters == {
         "Abort": ("reason",),
         "Answer": ("choice",),
         "Ask": ("question", "choices"),
+        "Breakpoints": ("at", "by"),
         "CommandFailed": ("reason",),
         "CommandStatus": ("name", "status", "reason", "place", "unmet"),
         "Detected": ("word",),
@@ -65,14 +66,14 @@ def test_the_alphabet_is_what_its_version_says():
         ),
         "Fault": ("code", "message", "handling", "of"),
         "FaultReport": ("code", "message", "away_s", "of"),
-        "GoTo": ("phase", "states", "unconfirmed", "by"),
+        "GoTo": ("phase", "states", "unconfirmed", "by", "until"),
         "Log": ("level", "message"),
         "OperatorCommand": ("command", "share", "at_once"),
         "Observation": ("text", "place_m"),
         "OutsideNumber": ("signal", "value", "age_s"),
         "Pause": ("by",),
         "PhaseChange": ("phase",),
-        "Resume": ("by",),
+        "Resume": ("by", "until"),
         "SensorFrame": ("board", "values"),
         "Setpoints": ("setpoint_id", "values"),
         "SignalReport": ("numbers", "words"),

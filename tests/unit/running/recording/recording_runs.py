@@ -10,6 +10,7 @@ from pathlib import Path
 
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC
+from resumes import Resumes
 
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.core.effects import Ended
@@ -64,7 +65,15 @@ def record(path: Path, order: Order) -> Recording:
     companions = [*prepared.companions]
     if not prepared.attended:
         companions.append(FirstChoice("a test"))
-    run = MissionRun(prepared.engine, prepared.backend, companions=companions, tap=recorder)
+    if order.breakpoints:
+        companions.append(Resumes())
+    run = MissionRun(
+        prepared.engine,
+        prepared.backend,
+        companions=companions,
+        tap=recorder,
+        breakpoints=prepared.breakpoints,
+    )
     recorder.follow(lambda: run.state)
     run.execute()
     recorder.close()

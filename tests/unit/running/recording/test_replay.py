@@ -11,7 +11,7 @@ import pytest
 from recording_runs import ROOT, record, record_serial
 from representative import MISSIONS, thorough_but
 
-from pirate_sm.core.effects import CommandStatus, PhaseChange, Setpoints, StateChange
+from pirate_sm.core.effects import CommandStatus, Log, PhaseChange, Setpoints, StateChange
 from pirate_sm.core.events import SensorFrame
 from pirate_sm.core.loading import load_mission
 from pirate_sm.core.robot import confirmed_parts
@@ -39,6 +39,19 @@ SHORT = [
 def bend(tmp_path_factory):
     path = tmp_path_factory.mktemp("runs") / "bend.mcap"
     return record(path, Order("mitre_bend", seed=5, check=False))
+
+
+@pytest.mark.parametrize("backend", ["trace", pytest.param("sim", marks=pytest.mark.thorough)])
+def test_breakpoints_pause_a_replay_where_they_paused_the_run(backend, tmp_path):
+    where = ("enter", "pass_bend.yaml:20", "halt")
+    order = Order("mitre_bend", backend=backend, breakpoints=where, check=False)
+    recording = record(tmp_path / "run.mcap", order)
+
+    lines = [log for step in recording.steps() for log in step.effects if isinstance(log, Log)]
+    hits = [each.message for each in lines if each.message.startswith("breakpoint")]
+    assert [each.split()[1] for each in hits] == ["enter", "pass/pass_bend.pass", "halt"]
+    with recorded_mission(recording.header) as loaded:
+        assert replay(recording, loaded).difference is None
 
 
 @pytest.mark.parametrize("name", thorough_but(MISSIONS, SHIPPED))
