@@ -1,9 +1,9 @@
 """The results of a campaign in a folder: Parquet files that are only ever added, readable always.
 
 A file is written under another name, synchronised and renamed, so it is whole or not there. As soon
-as there are 64 files of one level they are merged into one of the next: that is there before they
-are deleted. What is in two files counts once. A file that is damaged is named and kept, and its
-runs are repeated.
+as there are 64 files of one level they are merged into one of the next, unless that would be large:
+it is there before they are deleted. What is in two files counts once. A file that is damaged is
+named and kept, and its runs are repeated.
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ from __future__ import annotations
 import fcntl
 import json
 import shlex
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from io import BytesIO
+from itertools import repeat
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TextIO, get_type_hints
@@ -23,6 +24,7 @@ from pirate_sm.core.on_disk import PART, is_file, opened, replace_file
 from pirate_sm.lab.campaign.chunk import RunRow
 
 if TYPE_CHECKING:
+    from pyarrow import Array, RecordBatch
     from pyarrow import Table as ArrowTable
 
 MARK = "campaign.json"
@@ -38,6 +40,8 @@ _FLUSH_S = 2.0
 
 _MOST_ROWS = 20_000
 _MOST_FILES = 64
+_MOST_MERGED_BYTES = 100_000_000
+"""More is not merged: all of it would be in memory, which must not grow with a campaign."""
 
 _TYPES = {str: "string", int: "int64", float: "float64", bool: "bool_"}
 
@@ -171,14 +175,18 @@ class Store:
         return found
 
     def read(self) -> Iterator[list[RunRow]]:
-        """Yield the rows of each file, in the order in which the files were written.
+        """Yield the rows of each file in the order in which they were written, some at a time.
 
         Files that cannot be read are in :attr:`damaged` then.
         """
         for file in self._files():
-            table = self._table_of(file)
-            if table is not None:
-                yield _rows_in(table)
+            try:
+                for _ in _batches_in(file):  # no row counts of a file with a damaged end
+                    pass
+                for batch in _batches_in(file):
+                    yield _rows_in(batch)
+            except _DamagedError as error:
+                self.damaged[file] = str(error)
 
     def set_aside(self) -> None:
         """Rename the files that are damaged, as their runs are to be repeated.
@@ -190,14 +198,6 @@ class Store:
             for file in self.damaged:
                 file.replace(file.with_name(file.name + _DAMAGED))
         self.damaged.clear()
-
-    def _table_of(self, file: Path) -> ArrowTable | None:
-        """Return the table in a file; None if it is damaged."""
-        try:
-            return _table_in(file)
-        except _DamagedError as error:
-            self.damaged[file] = str(error)
-            return None
 
     def add(self, rows: Sequence[RunRow]) -> None:
         """Add rows; every two seconds they are written to a file.
@@ -221,11 +221,18 @@ class Store:
             self._write(_table(rows, self._values), level=0)
 
     def _merge(self, level: int) -> None:
-        """Merge all files of a level into one of the next."""
+        """Merge all files of a level into one of the next, unless that is too large."""
         import pyarrow
 
-        read = {file: self._table_of(file) for file in self._files(level)}
-        whole = {file: table for file, table in read.items() if table is not None}
+        files = self._files(level)
+        if sum(file.stat().st_size for file in files) > _MOST_MERGED_BYTES:
+            return
+        whole = {}
+        for file in files:
+            try:
+                whole[file] = pyarrow.Table.from_batches(_batches_in(file))
+            except _DamagedError as error:
+                self.damaged[file] = str(error)
         if whole:  # they may have different columns
             merged = pyarrow.concat_tables(whole.values(), promote_options="default")
             self._write(merged, level + 1)
@@ -234,9 +241,10 @@ class Store:
                 file.unlink()
 
     def _files(self, level: int | None = None) -> list[Path]:
-        """Return the files of a level, or all of them."""
+        """Return the files of a level, or all of them; the oldest, which are merged, come first."""
         which = "*" if level is None else level
-        return sorted((self.folder / _RESULTS).glob(f"{which}-*.parquet"))
+        found = (self.folder / _RESULTS).glob(f"{which}-*.parquet")
+        return sorted(found, key=lambda file: (-int(file.stem.partition("-")[0]), file.stem))
 
     def _write(self, table: ArrowTable, level: int) -> None:
         from pyarrow import parquet
@@ -248,7 +256,13 @@ class Store:
         )
         name = f"{level}-{self._numbers[level]:08d}.parquet"
         content = BytesIO()
-        parquet.write_table(table, content, compression="zstd", write_page_checksum=True)
+        parquet.write_table(
+            table,
+            content,
+            row_group_size=_MOST_ROWS,
+            compression="zstd",
+            write_page_checksum=True,
+        )
         with _writing(folder):
             replace_file(folder / name, content.getbuffer())
         if len(files) + 1 >= _MOST_FILES:
@@ -291,8 +305,8 @@ class _DamagedError(Exception):
     """Raised for a file of results that cannot be read; its text says why."""
 
 
-def _table_in(file: Path) -> ArrowTable:
-    """Return the table in a file.
+def _batches_in(file: Path) -> Iterator[RecordBatch]:
+    """Yield the rows in a file, some at a time.
 
     Raises:
         _DamagedError: It cannot be read.
@@ -305,26 +319,43 @@ def _table_in(file: Path) -> ArrowTable:
             opened(file) as stream,
             parquet.ParquetFile(stream, page_checksum_verification=True) as rows,
         ):
-            table = rows.read()
+            if missing := sorted(
+                {*_PLAIN} - {*rows.schema_arrow.names} - RunRow._field_defaults.keys()
+            ):
+                raise _DamagedError(
+                    f"its columns are those of another version: {', '.join(missing)} is not there"
+                )
+            # `iter_batches` ends early at a damaged page, and says nothing.
+            for group in range(rows.num_row_groups):
+                yield from rows.read_row_group(group).to_batches(max_chunksize=_MOST_ROWS)
     except (OSError, ValueError, pyarrow.ArrowException) as error:
         why = (getattr(error, "strerror", None) or str(error)).partition("\n")[0]
         raise _DamagedError(why) from None
-    if missing := sorted({*_PLAIN} - {*table.column_names} - RunRow._field_defaults.keys()):
-        raise _DamagedError(
-            f"its columns are those of another version: {', '.join(missing)} is not there"
-        )
-    return table
 
 
-def _rows_in(table: ArrowTable) -> list[RunRow]:
-    """Return the rows of a table; what they have drawn is unknown in older ones."""
-    names = [name for name in table.column_names if name.startswith(_DRAWN)]
-    plain = [name for name in _PLAIN if name in table.column_names]
-    columns = [table.column(name).to_pylist() for name in (*plain, *names)]
+def _rows_in(batch: RecordBatch) -> list[RunRow]:
+    """Return the rows of a batch; what they have drawn is unknown in older ones."""
+    names = [name for name in batch.schema.names if name.startswith(_DRAWN)]
     keys = [name.removeprefix(_DRAWN) for name in names]
-    found = []
-    for row in zip(*columns, strict=True):
-        drawn = zip(keys, row[len(plain) :], strict=True)
-        known = {key: value for key, value in drawn if value is not None}
-        found.append(RunRow(drawn=known, **dict(zip(plain, row, strict=False))))
-    return found
+    columns: dict[str, Iterable[Any]] = {
+        name: _list_of(batch.column(name)) if name in batch.schema.names else repeat(usual)
+        for name, usual in ((each, RunRow._field_defaults.get(each)) for each in _PLAIN)
+    }
+    values = zip(*(_list_of(batch.column(name)) for name in names), strict=True)
+    columns["drawn"] = [
+        {key: value for key, value in zip(keys, row, strict=True) if value is not None}
+        for row in (values if names else repeat((), batch.num_rows))
+    ]
+    ordered = (columns[name] for name in RunRow._fields)
+    return [*map(RunRow._make, zip(*ordered, strict=False))]
+
+
+def _list_of(column: Array) -> list[Any]:
+    """Return the values of a column, numbers by way of NumPy, which is faster."""
+    from pyarrow import types
+
+    plain = column.null_count == 0 and not types.is_string(column.type)
+    values: list[Any] = (
+        column.to_numpy(zero_copy_only=False).tolist() if plain else column.to_pylist()
+    )
+    return values

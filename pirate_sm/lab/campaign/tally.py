@@ -49,7 +49,9 @@ class FactorCount:
     def count(self, value: float, passed: bool) -> None:
         """Count a run with this value of the factor."""
         _, _, low, high = self.factor
-        part = min(max(int((value - low) / (high - low) * _BINS), 0), _BINS - 1)
+        part = int((value - low) / (high - low) * _BINS)
+        if not 0 <= part < _BINS:
+            part = 0 if part < 0 else _BINS - 1
         self.runs[part] += 1
         self.passed[part] += passed
 
@@ -211,25 +213,25 @@ class Tally:
 
     def _count(self, row: RunRow) -> None:
         self.runs += 1
-        self.passed += row.verdict == "passed"
-        self.passes.append(row.verdict == "passed")
+        passed = row.verdict == "passed"
+        self.passed += passed
+        self.passes.append(passed)
         self.held += row.held
         self.false += row.verdict == "false"
         self.bugs += row.verdict == "bug"
         self.refused += row.outcome == "refused"
         self.unsafe += bool(row.unsafe)
         self.deepest_m = max(self.deepest_m, row.deepest_m)
+        drawn = row.drawn
         for each in self.factors:
-            if each.factor.name in row.drawn:
-                each.count(row.drawn[each.factor.name], row.verdict == "passed")
+            if (value := drawn.get(each.factor.name)) is not None:
+                each.count(value, passed)
         if self.cell.design is not None:
-            drawn = [row.drawn.get(each.name, nan) for each in self.cell.design.numbers]
+            numbers = [drawn.get(each.name, nan) for each in self.cell.design.numbers]
             unknown = row.outcome in ("refused", "bug")  # nothing was run, or not by the robot
-            outcome = RunOutcome(
-                nan if unknown else row.verdict == "passed", row.time_s, row.slip_m
-            )
-            self.outcomes.append((outcome, drawn))
-        if row.verdict == "passed":
+            outcome = RunOutcome(nan if unknown else passed, row.time_s, row.slip_m)
+            self.outcomes.append((outcome, numbers))
+        if passed:
             self.times_s.append(row.time_s)
             if not isnan(row.short_m):
                 known_m = self.farthest_short_m

@@ -48,6 +48,7 @@ SMALLEST = (
     "robots --robots 1",
     "soak --commands 100 --missions 1",
     "space --row elbow --seeds 1",
+    "stored_runs --runs 800 --cells 2",
     "twin --seeds 1 --times 1",
     "upright --seeds 1 --row careful",
     "vision see speed --frames 1",

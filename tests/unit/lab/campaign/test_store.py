@@ -177,6 +177,35 @@ def test_many_files_become_few_and_nothing_is_lost(
     assert len(list((tmp_path / "results").glob("*.parquet"))) < 8
 
 
+def test_files_that_are_large_together_are_not_merged(
+    opened: Opened, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(stores, "_MOST_FILES", 4)
+    store = opened(tmp_path)
+    store.add(rows(0))
+    (file,) = (tmp_path / "results").glob("*.parquet")
+    monkeypatch.setattr(stores, "_MOST_MERGED_BYTES", 3 * file.stat().st_size)
+    for seed in range(1, 9):
+        store.add(rows(seed))
+
+    assert len(list((tmp_path / "results").glob("*.parquet"))) == 9
+    assert seeds_in(tmp_path) == [*range(9)]
+
+
+def test_many_rows_are_read_in_parts(opened: Opened, tmp_path: Path) -> None:
+    store = opened(tmp_path)
+    store.add(rows(*range(20_000)))
+    store.add(rows(*range(20_000, 20_007)))
+    files = sorted((tmp_path / "results").glob("*.parquet"))
+    together = pyarrow.concat_tables(map(parquet.read_table, files))
+    for file in files:
+        file.unlink()
+    parquet.write_table(together, tmp_path / "results" / "1-00000001.parquet")
+
+    assert [len(each) for each in Store(tmp_path).read()] == [20_000, 7]
+    assert seeds_in(tmp_path) == [*range(20_007)]
+
+
 def test_rows_that_wait_are_written_when_the_store_is_closed(tmp_path: Path) -> None:
     store = Store(tmp_path, clock=lambda: 0.0)
     store.begin({})
