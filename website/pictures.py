@@ -23,6 +23,7 @@ from typer.testing import CliRunner
 from pirate_sm.cli.entry import commands, only_run
 from website.camera_pictures import MOMENTS, QUALITY, seen
 from website.editor_pictures import take_editor_pictures
+from website.margins_picture import MARGINS, made_of_margins, take_margins_picture
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "pictures"
@@ -54,6 +55,9 @@ SHOTS: Mapping[str, Shot] = MappingProxyType(
             (("mitre_bend", "--pipe", str(ROOT / "tests" / "pipes" / "house.yaml")),),
             (1280, 1500),
             15.0,
+        ),
+        "mitre_bend_wide.png": Shot(
+            (("mitre_bend", "--seed", "0", "--number", "pipe.diameter=122.9mm"),), (1280, 640), 71.4
         ),
         "runs.png": Shot(
             (
@@ -105,7 +109,8 @@ def take() -> None:
     browser = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, CHROMIUM)), None)
     if browser is None:
         sys.exit("there is no Chromium: apt-get install chromium, or set CHROMIUM")
-    known = {}
+    known = {MARGINS: made_of_margins()}
+    before = json.loads(MADE_OF.read_text("utf-8"))
     with sync_playwright() as driver, TemporaryDirectory() as place:
         chromium = driver.chromium.launch(executable_path=browser)
         for name, shot in SHOTS.items():
@@ -124,6 +129,8 @@ def take() -> None:
                 )
                 window.wait_for_timeout(300)  # the page draws with the screen
             window.screenshot(path=PICTURES / name)
+        if before.get(MARGINS) != known[MARGINS]:
+            take_margins_picture(chromium, Path(place), PICTURES / MARGINS)
         chromium.close()
     known |= take_editor_pictures(PICTURES)
     MADE_OF.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")

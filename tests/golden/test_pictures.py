@@ -13,6 +13,7 @@ from pirate_sm.robot.vision.opencv import cv2
 from website.bend import PICTURE, drawn
 from website.camera_pictures import MOMENTS, seen
 from website.editor_pictures import made_of_answers
+from website.margins_picture import MARGINS, made_of_margins
 from website.pictures import MADE_OF, PICTURES, SHOTS, made_of, page_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -27,6 +28,11 @@ def test_a_picture_of_a_page_was_taken_of_the_page_as_it_is(
     known = json.loads(MADE_OF.read_text("utf-8"))
 
     assert made_of(page_of(SHOTS[name], tmp_path)) == known[name], "another page: make pictures"
+
+
+def test_the_picture_of_margins_was_taken_of_what_its_page_says() -> None:
+    known = json.loads(MADE_OF.read_text("utf-8"))
+    assert made_of_margins() == known[MARGINS], "other results or another drawing: make pictures"
 
 
 @pytest.mark.thorough
@@ -60,4 +66,4 @@ def test_the_animated_bend_is_the_simulators() -> None:
 def test_every_picture_that_is_no_drawing_is_taken_by_a_command() -> None:
     taken = {file.name for file in PICTURES.iterdir() if file.suffix not in (".svg", ".json")}
 
-    assert taken == SHOTS.keys() | MOMENTS.keys()
+    assert taken == SHOTS.keys() | MOMENTS.keys() | {MARGINS}

@@ -81,6 +81,6 @@ def _section(cell: CellResult, lines: list[str]) -> FigureSection:
     )
     return FigureSection(
         f"{_TITLE}: {cell.column}" if cell.column else _TITLE,
-        [*about, *lines, HOW_TO_READ],
+        [*about, *lines, *([HOW_TO_READ] if cell.margins else [])],
         markup=f"{MARGINS_STYLE}<ul>{words}</ul>{margins_markup(cell.margins, cell.maps)}",
     )
