@@ -41,6 +41,7 @@ from pirate_sm.running.wiring.run_recorder import RunRecorder, requested_recordi
 from pirate_sm.views.report import GENERATOR
 
 if TYPE_CHECKING:  # a check of a mission loads no NumPy
+    from pirate_sm.views.report.contents import Report
     from pirate_sm.views.report.poses import Poses
 
 # --- results ------------------------------------------------------------------------------------
@@ -197,14 +198,19 @@ class Run:
 
     def report(self) -> Page:
         """Return the report: what happened in words, the robot in its pipe, timeline and plots."""
-        from pirate_sm.views.report.recording_report import gather
         from pirate_sm.views.report.report_page import html
+
+        return Page(html(self.contents()))
+
+    def contents(self) -> Report:
+        """Return the contents of the report as plain values."""
+        from pirate_sm.views.report.recording_report import gather
         from pirate_sm.views.report.run_facts import about_run
 
         about = about_run(self.header, self.loaded, self.notices)
         again = rerun_steps(self._engine, self.steps(), self.gaps, origin_s=self.origin_s)
         report = gather(self.loaded, about, again, self.poses())
-        return Page(html(replace(report, recording=self.sha256)))
+        return replace(report, recording=self.sha256)
 
     def show(self) -> None:
         """Show the report below the cell of a notebook.

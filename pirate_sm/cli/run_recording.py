@@ -164,7 +164,9 @@ def recorded(
         try:
             if options.page is not None and place is not None:
                 served += (f"page: open {options.page.address} in a browser",)
-                kept.companions += (options.page.follow(place),)
+                earlier = prepared.order.forecast
+                forecast = None if earlier is None else Path(earlier)
+                kept.companions += (options.page.follow(place, forecast),)
             kept.prepared = replace(prepared, notices=(*prepared.notices, *served, *said))
             yield kept
         finally:

@@ -14,6 +14,11 @@ from mcap.writer import MCAP0_MAGIC
 from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import commands, only_run
+from pirate_sm.running.recording.forecast_file import counted, forecast_of
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.recording.signal_bands import signal_bands
+from pirate_sm.views.report.expected_signals import run_extremes
+from pirate_sm.views.report.recording_report import report_of
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -34,6 +39,9 @@ LIST = "list"
 
 GAP = "gap"
 """The page of a repaired recording of which a piece was damaged."""
+
+EXPECTED = "expected"
+"""The page of the run with defects, with bands of runs that were like the one without."""
 
 CUT_SHORT = {"torn": 7, "empty": 0}
 """How many whole pieces of the run are left in a recording, before one that is torn."""
@@ -63,6 +71,8 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     def get(name: str) -> Path:
         if name in made:
             return made[name]
+        if name == EXPECTED:
+            return made.setdefault(name, expected())
         run, told = folder / f"{name}.mcap", folder / f"{name}.html"
         if name == LIST:
             for each in ("bend", "dead", "patrol"):
@@ -83,6 +93,19 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
             CliRunner().invoke(only_run(), [*RUNS[name], "--quiet", "--record", str(run)])
         assert CliRunner().invoke(commands, ["report", str(run), "-o", str(told)]).exit_code == 0
         made[name] = told
+        return told
+
+    def expected() -> Path:
+        """The page with bands, with their file next to it."""
+        first, told = read_recording(get("bend").with_suffix(".mcap")), folder / f"{EXPECTED}.html"
+        found, run = counted(first), get("dead").with_suffix(".mcap")
+        it = forecast_of(found.header, [found.visits] * 40)
+        signals = signal_bands([run_extremes(report_of(first))] * 40)
+        times = folder / "times.yaml"
+        times.write_text(it.model_copy(update={"signals": signals}).text(), "utf-8")
+        told.with_suffix(".mcap").write_bytes(run.read_bytes())
+        asked = ["report", str(run), "-o", str(told), "--forecast", str(times)]
+        assert CliRunner().invoke(commands, asked).exit_code == 0
         return told
 
     return get

@@ -26,6 +26,15 @@ pytestmark = pytest.mark.browser
 
 page_server = late("pirate_sm.views.report.page_server")
 
+SHADED = """(() => {
+  const canvas = document.querySelector('#plots canvas');
+  const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  let count = 0;
+  for (let i = 3; i < data.length; i += 4) count += data[i] > 30 && data[i] < 60;
+  return count;
+})()"""
+"""How many dots of the first plot are as light as a band."""
+
 BUTTONS = ["stop", "pause", "continue", "word near"]
 
 
@@ -36,6 +45,8 @@ class Growing:
         self.recording = read_recording(source)
         pieces = self.recording.content.pieces
         self._whole, self._path = source.read_bytes(), path
+        times = source.with_name("times.yaml")
+        self._forecast = times if source.stem == "expected" else None
         self._marks = [piece.at + piece.size for piece in pieces]
         self.address, self._ready = "", threading.Event()
         self.pressed: list[str] = []
@@ -78,7 +89,9 @@ class Growing:
         def said(address: str) -> None:
             self.address = address
 
-        asyncio.run(page_server.serve(self._path, 0, said, until, self.acting))
+        asyncio.run(
+            page_server.serve(self._path, 0, said, until, self.acting, forecast=self._forecast)
+        )
 
 
 @pytest.fixture
@@ -136,7 +149,20 @@ def outcome(it: Opened) -> str:
     return it.page.locator(".outcome").inner_text()
 
 
-@pytest.mark.parametrize("name", ["bend", "dead", "house"])
+def test_bands_of_earlier_runs_are_shown_during_the_run(
+    grow: Callable[[str], Growing], watch: Callable[..., Opened]
+) -> None:
+    run = grow("expected")
+    reached_s = run.has(0.5)
+    it = watch(run.address)
+    reaches(it, reached_s)
+    words = "shaded: 90 % of 40 runs on sim, each moment by itself"
+    assert it.page.locator("#plots .legend .band").first.inner_text() == words
+    assert it.page.evaluate(SHADED) > 0
+    assert it.said == []
+
+
+@pytest.mark.parametrize("name", ["bend", "dead", "house", "expected"])
 def test_a_page_grows_with_its_run_and_is_its_report_in_the_end(
     grow: Callable[[str], Growing], watch: Callable[..., Opened], name: str
 ) -> None:

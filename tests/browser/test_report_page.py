@@ -220,8 +220,34 @@ def test_a_curve_can_be_hidden_and_shown(opened: Open) -> None:
     assert hidden != before
 
 
+def test_bands_are_behind_the_curves_that_have_one_and_go_with_them(opened: Open) -> None:
+    it = opened("expected")
+    figure = it.page.locator("#plots figure").first
+    canvas = "document.querySelector('#plots canvas').toDataURL()"
+
+    def picture() -> str:
+        it.page.clock.run_for(100)
+        return str(it.page.evaluate(canvas))
+
+    assert "shaded: 90 % of 40 runs on sim" in figure.locator(".legend .band").inner_text()
+    label = figure.locator("[role=img]").get_attribute("aria-label") or ""
+    assert label.endswith("shaded: 90 % of 40 runs on sim, each moment by itself")
+    whole, curves = picture(), figure.locator(".legend button")
+    curves.first.hover()
+    alone = picture()
+    it.page.mouse.move(0, 0)
+    assert picture() == whole != alone
+    for each in curves.all():
+        each.click()
+    it.page.mouse.move(0, 0)
+    hidden = picture()
+    assert hidden != whole
+    assert it.said == []
+    assert opened("dead").page.locator("#plots .legend .band").count() == 0
+
+
 @pytest.mark.parametrize(("wide", "high"), [(1280, 800), (390, 844)])
-@pytest.mark.parametrize("name", ["bend", "trace"])
+@pytest.mark.parametrize("name", ["bend", "trace", "expected"])
 def test_nothing_is_cut_off_at_the_side(opened: Open, name: str, wide: int, high: int) -> None:
     it = opened(name, wide=wide, high=high)
 
@@ -340,7 +366,7 @@ RENDERED = """
 """
 
 
-@pytest.mark.parametrize("name", ["bend", "dead", "house"])
+@pytest.mark.parametrize("name", ["bend", "dead", "house", "expected"])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("wish", ["no-preference", "more"])
 def test_every_word_on_the_page_can_be_read(

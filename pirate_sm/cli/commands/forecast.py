@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import pickle
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from datetime import datetime
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.recordings import ForecastOptions
@@ -25,10 +27,21 @@ from pirate_sm.running.recording.forecast_file import (
     unlike,
 )
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.runtime.phase_times import EarlierRuns
+from pirate_sm.running.runtime.phase_times import LEAST_RUNS, EarlierRuns
 from pirate_sm.running.wiring import Order
 
+if TYPE_CHECKING:
+    from pirate_sm.running.recording.signal_bands import RunExtremes, SignalBands
+    from pirate_sm.views.report.contents import Report
+
 ENOUGH, TOO_FEW = 0, 1
+
+
+class _Source(NamedTuple):
+    """A run, and what returns between which values its curves ran."""
+
+    run: CountedRun
+    extremes: Callable[[], RunExtremes]
 
 
 def make_forecast(options: ForecastOptions) -> int:
@@ -36,13 +49,17 @@ def make_forecast(options: ForecastOptions) -> int:
 
     Raises:
         LoadError: The mission or the campaign has faults.
-        UsageError: No run can be used, or the file cannot be written.
+        UsageError: No run can be used, the file cannot be written, or none is named for signals.
     """
+    if options.signals and options.output is None:
+        raise UsageError("--signals is for a file: name it with --output")
     refuse_losses([options.output], inputs=map(Path, options.paths), overwrite=options.overwrite)
     runs = list(_rehearsed(options) if options.rehearse else _recorded(options))
-    found, others = _alike(runs)
+    found, kept, others = _alike(runs)
     for why, number in others.items():
         say(f"{number} of {len(runs)} runs are not counted: {why}")
+    if options.signals:
+        found = found.model_copy(update={"signals": _signals(kept)})
     if options.output is not None:
         write_file(options.output, found.text())
     forecast = found.times
@@ -51,7 +68,7 @@ def make_forecast(options: ForecastOptions) -> int:
     return TOO_FEW if forecast.whole is None else ENOUGH
 
 
-def _recorded(options: ForecastOptions) -> Iterator[CountedRun]:
+def _recorded(options: ForecastOptions) -> Iterator[_Source]:
     """Yield what the recordings say; those that cannot be read are named."""
     paths = [found for place in options.paths for found in _recordings(Path(place))]
     with progress("reading recordings") as watch:
@@ -63,7 +80,7 @@ def _recorded(options: ForecastOptions) -> Iterator[CountedRun]:
                 say(str(error))
                 continue
             if options.mission in (None, run.header.mission):
-                yield run
+                yield _Source(run, partial(_extremes, partial(_replayed, path)))
 
 
 def _recordings(place: Path) -> Sequence[Path]:
@@ -76,7 +93,41 @@ def _recordings(place: Path) -> Sequence[Path]:
     return [place]
 
 
-def _rehearsed(options: ForecastOptions) -> Iterator[CountedRun]:
+def _replayed(path: Path) -> Report:
+    from pirate_sm.views.report.recording_report import report_of
+
+    return report_of(read_recording(path))
+
+
+def _extremes(report: Callable[[], Report]) -> RunExtremes:
+    from pirate_sm.views.report.expected_signals import run_extremes
+
+    return run_extremes(report())
+
+
+def _signals(sources: Sequence[_Source]) -> SignalBands | None:
+    """Return the bands of the signals, and say of how many runs they are; None if there are none.
+
+    They are made of the last runs, as many as make a difference.
+    """
+    from pirate_sm.running.recording.signal_bands import MOST_RUNS, signal_bands
+
+    runs: list[RunExtremes] = []
+    last = sources[-MOST_RUNS:]
+    with progress("replaying runs for their signals") as watch:
+        for number, each in enumerate(last):
+            watch(number / len(last))
+            runs.append(each.extremes())
+    found = signal_bands(runs)
+    if found is None:
+        say(f"there are no bands of signals: {LEAST_RUNS} runs are needed in a phase of a second")
+    else:
+        curves = {curve[:2] for phase in found.phases for curve in phase.curves}
+        say(f"bands of {len(curves)} curves in {len(found.phases)} phases, of {len(runs)} runs")
+    return found
+
+
+def _rehearsed(options: ForecastOptions) -> Iterator[_Source]:
     """Yield runs in the simulator."""
     from pirate_sm.lab.coverage.evidence import played
 
@@ -85,7 +136,16 @@ def _rehearsed(options: ForecastOptions) -> Iterator[CountedRun]:
         for number, (order, loaded) in enumerate(planned):
             watch(number / len(planned))
             run = played(order, loaded).run
-            yield counted_run(run.header, ((step.effects, step.at_s) for step in run.steps()))
+            steps = ((step.effects, step.at_s) for step in run.steps())
+            again = partial(_played_again, order, loaded)
+            yield _Source(counted_run(run.header, steps), partial(_extremes, again))
+
+
+def _played_again(order: Order, loaded: LoadedMission) -> Report:
+    """Return the report of a run in the simulator, which is the same each time."""
+    from pirate_sm.lab.coverage.evidence import played
+
+    return played(order, loaded).run.contents()
 
 
 def _planned(options: ForecastOptions) -> list[tuple[Order, LoadedMission]]:
@@ -109,26 +169,29 @@ def _planned(options: ForecastOptions) -> list[tuple[Order, LoadedMission]]:
     return [(varied(cell, seed, {}), loaded) for seed in seeds]
 
 
-def _alike(runs: Sequence[CountedRun]) -> tuple[ForecastFile, Counter[str]]:
-    """Return the forecast from the runs that are like the newest one, and why others do not count.
+def _alike(
+    sources: Sequence[_Source],
+) -> tuple[ForecastFile, Sequence[_Source], Counter[str]]:
+    """Return the forecast from the runs that are like the newest one, them, and why others are not.
 
     Raises:
         UsageError: There is no run to count.
     """
-    others = Counter(each.why_not for each in runs if each.why_not)
-    usable = [each for each in runs if not each.why_not]
+    others = Counter(each.run.why_not for each in sources if each.run.why_not)
+    usable = [each for each in sources if not each.run.why_not]
     if not usable:
         why = "; ".join(f"{why} ({number})" for why, number in others.items())
         raise UsageError(f"there is no run that can be counted{': ' if why else ''}{why}")
-    newest = max(usable, key=lambda each: datetime.fromisoformat(each.header.began)).header
-    kept = []
+    usable.sort(key=lambda each: datetime.fromisoformat(each.run.header.began))
+    newest, kept = usable[-1].run.header, list[_Source]()
     for each in usable:
-        why = unlike(forecast_of(each.header), forecast_of(newest))
-        if not why and each.header.backend != newest.backend:
-            why = f"on the backend {each.header.backend}, not on {newest.backend}"
+        header = each.run.header
+        why = unlike(forecast_of(header), forecast_of(newest))
+        if not why and header.backend != newest.backend:
+            why = f"on the backend {header.backend}, not on {newest.backend}"
         others.update([why] if why else ())
-        kept += [] if why else [each.visits]
-    return forecast_of(newest, kept), others
+        kept += [] if why else [each]
+    return forecast_of(newest, [each.run.visits for each in kept]), kept, others
 
 
 def _lines(found: ForecastFile, forecast: EarlierRuns) -> Iterator[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Awaitable, Callable, Iterable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -38,8 +38,14 @@ def serve_page(options: PageOptions) -> int:
     def say(address: str) -> None:
         print(f"open {address} in a browser; Ctrl-C ends it", flush=True)
 
+    def ended(_: object) -> Awaitable[object]:
+        return asyncio.Event().wait()
+
+    shown, forecast = _shown(options), options.forecast
+    if forecast is not None and not isinstance(shown, Path):
+        raise UsageError("--forecast is for the page of one run")
     with suppress(KeyboardInterrupt):
-        asyncio.run(serve(_shown(options), options.port, say, lambda _: asyncio.Event().wait()))
+        asyncio.run(serve(shown, options.port, say, ended, forecast=forecast))
     return ExitCode.SUCCEEDED
 
 

@@ -97,7 +97,7 @@ def _write_report(path: Path, place: Path, forecast: Path | None) -> int:
     with progress(f"reading {visible(str(path))}") as watch:
         recording = read_recording(path, watch)
         own = forecast_of(recording.header)
-        earlier = None if forecast is None else read_forecast(forecast, own).times
+        earlier = None if forecast is None else read_forecast(forecast, own)
         text = html(report_of(recording, earlier))
     write_and_name(place, text)
     _warn(path, recording)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.declaring import CommandOptions, argument, option, typed
+from pirate_sm.cli.options.declaring import CommandOptions, argument, flag, option, typed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +69,7 @@ class ForecastOptions(CommandOptions):
     mission: str | None = option(
         "NAME", candidates.missions, "Count recordings of this mission only.", "--mission"
     )
+    signals: bool = flag("Also bands of what a report plots; each run is replayed.", "--signals")
     overwrite: bool = common.overwrite()
 
 
@@ -137,7 +138,7 @@ class ReportOptions(CommandOptions):
         "OUT.html", candidates.files, "RUN.html; of many, index.html.", "--output", "-o"
     )
     forecast: Path | None = option(
-        "FILE", candidates.checkable, "Show when phases of the run were expected to end."
+        "FILE", candidates.checkable, "Show what pirate forecast says about the run."
     )
 
 
@@ -166,6 +167,9 @@ class PageOptions(CommandOptions):
         "Of a mission: results of margins; runs/NAME.campaign otherwise.",
     )
     port: int | None = typed("Its port; 8790 otherwise, or any that is free.", min=0, max=65535)
+    forecast: Path | None = option(
+        "FILE", candidates.checkable, "Of a run: show what pirate forecast says about it."
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

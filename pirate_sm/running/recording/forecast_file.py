@@ -1,9 +1,9 @@
-"""The times of earlier runs as a file, and whether they are of the same mission."""
+"""Earlier runs as a file, their times and bands, and whether they are of the same mission."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import Annotated, NamedTuple
 
@@ -16,6 +16,7 @@ from pirate_sm.core.fields import Format, Frozen, Name
 from pirate_sm.core.loading import LoadedMission, validate
 from pirate_sm.running.recording.format.header import RecordedFile, RunHeader, recorded_files
 from pirate_sm.running.recording.read.reader import Recording
+from pirate_sm.running.recording.signal_bands import SignalBands
 from pirate_sm.running.runtime.phase_times import EarlierRuns, PhaseVisits, Visit
 
 _Sha256 = Annotated[str, StringConstraints(pattern="^[0-9a-f]{64}$")]
@@ -47,6 +48,7 @@ class ForecastFile(Frozen):
         parameters: The values of the mission's parameters.
         texts: Everything that the mission and its robot were read from.
         runs: Of each run its phases in order, with their times, s.
+        signals: The bands of what the plots of a report show; None unless asked for.
     """
 
     format: Format
@@ -57,6 +59,7 @@ class ForecastFile(Frozen):
     parameters: Mapping[Name, str] = Field(default_factory=dict)
     texts: tuple[OfText, ...]
     runs: tuple[tuple[tuple[str, _Seconds], ...], ...]
+    signals: SignalBands | None = None
 
     @property
     def times(self) -> EarlierRuns:
@@ -80,9 +83,19 @@ class ForecastFile(Frozen):
                     f"- {json.dumps([(phase, round(took_s, 3)) for phase, took_s in run])}"
                     for run in self.runs
                 ),
+                *self._lines_of_signals(),
                 "",
             ]
         )
+
+    def _lines_of_signals(self) -> Iterator[str]:
+        if self.signals is None:
+            return
+        yield from ("signals:", f"  runs: {self.signals.runs}", "  phases:")
+        for each in self.signals.phases:
+            yield f"  - phase: {json.dumps(each.phase)}"
+            yield from (f"    time: {each.time}", f"    step_s: {each.step_s:g}", "    curves:")
+            yield from (f"    - {json.dumps(curve)}" for curve in each.curves)
 
 
 class CountedRun(NamedTuple):
@@ -135,18 +148,30 @@ def _why_not(header: RunHeader) -> str:
 
 def forecast_of(header: RunHeader, runs: Iterable[Sequence[Visit]] = ()) -> ForecastFile:
     """Return the forecast from runs with the set-up in this header."""
-    it, parameters, texts = header, dict(header.parameters), _texts(header.files)
-    names = {"forecast": it.mission, "robot": it.robot, "pipe": it.pipe, "backend": it.backend}
-    counted = tuple(map(tuple, runs))
-    return ForecastFile(format=1, **names, parameters=parameters, texts=texts, runs=counted)
+    return ForecastFile(
+        format=1,
+        forecast=header.mission,
+        robot=header.robot,
+        pipe=header.pipe,
+        backend=header.backend,
+        parameters=dict(header.parameters),
+        texts=_texts(header.files),
+        runs=tuple(map(tuple, runs)),
+    )
 
 
 def forecast_for(loaded: LoadedMission) -> ForecastFile:
     """Return the forecast of a mission that is to be run, without any run."""
-    names = {"forecast": loaded.mission.mission, "robot": loaded.robot.name, "backend": ""}
-    texts, parameters = _texts(recorded_files(loaded)), dict(loaded.parameters)
-    pipe = loaded.pipe_name
-    return ForecastFile(format=1, **names, pipe=pipe, parameters=parameters, texts=texts, runs=())
+    return ForecastFile(
+        format=1,
+        forecast=loaded.mission.mission,
+        robot=loaded.robot.name,
+        pipe=loaded.pipe_name,
+        backend="",
+        parameters=dict(loaded.parameters),
+        texts=_texts(recorded_files(loaded)),
+        runs=(),
+    )
 
 
 def _texts(files: Iterable[RecordedFile]) -> tuple[OfText, ...]:

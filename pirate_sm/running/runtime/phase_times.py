@@ -31,7 +31,7 @@ _WITHIN_S = 0.02
 _LOOK_S = 0.5
 """How often a run is looked at; so late it may be noticed that a phase is slow [decided]."""
 
-_WORTH_SAYING_S = 1.0
+WORTH_SAYING_S = 1.0
 """Phases that never take so long are not mentioned [decided]."""
 
 Visit: TypeAlias = tuple[str, float]
@@ -50,18 +50,26 @@ class PhaseKey(NamedTuple):
         return self.phase if self.nth == 1 else f"{self.phase} (time {self.nth})"
 
 
+class PhaseStay(NamedTuple):
+    """A phase of a run, when it was entered and when it was left, s."""
+
+    key: PhaseKey
+    since_s: float
+    until_s: float
+
+
 class PhaseVisits:
     """The phases that a run has entered, in order, from its effects.
 
     Attributes:
-        visits: Those that it has left, with how long it was in them.
+        passed: Those that it has left.
         key: The one that it is in; None before the first and after the end.
         since_s: When it entered that one.
         ended: How the run ended; None before.
     """
 
     def __init__(self) -> None:
-        self.visits: list[Visit] = []
+        self.passed: list[PhaseStay] = []
         self.key: PhaseKey | None = None
         self.since_s = 0.0
         self.ended: Ended | None = None
@@ -90,8 +98,18 @@ class PhaseVisits:
 
     def _leave(self, now_s: float) -> None:
         if self.key is not None:
-            self.visits.append((self.key.phase, now_s - self.since_s))
+            self.passed.append(PhaseStay(self.key, self.since_s, now_s))
         self.key = None
+
+    @property
+    def visits(self) -> list[Visit]:
+        """Return those that it has left, with how long it was in them."""
+        return [(key.phase, until_s - since_s) for key, since_s, until_s in self.passed]
+
+    def until(self, now_s: float) -> tuple[PhaseStay, ...]:
+        """Return all that it has entered; it is in the current one until now."""
+        current = () if self.key is None else (PhaseStay(self.key, self.since_s, now_s),)
+        return (*self.passed, *current)
 
 
 class Band(NamedTuple):
@@ -111,12 +129,17 @@ class Band(NamedTuple):
         return f"{self.low_s:.1f} to {self.high_s:.1f} s"
 
 
+def rank_of_bounds(runs: int) -> int:
+    """Return which smallest and which largest of earlier values bound the next one; 0: too few."""
+    return (runs + 1) // _IN_20
+
+
 def band_of(times_s: Iterable[float]) -> Band | None:
     """Return the band of the next time after these; None if they are fewer than ``LEAST_RUNS``."""
     ordered = sorted(times_s)
     runs = len(ordered)
-    left_out = (runs + 1) // _IN_20
-    return Band(ordered[left_out - 1], ordered[-left_out], runs) if left_out else None
+    rank = rank_of_bounds(runs)
+    return Band(ordered[rank - 1], ordered[-rank], runs) if rank else None
 
 
 class SlowLimit(NamedTuple):
@@ -131,7 +154,7 @@ class SlowLimit(NamedTuple):
     runs: int
 
 
-class _Passage(NamedTuple):
+class _Earlier(NamedTuple):
     """A phase in an earlier run: how long it took, and how long the run went on after it."""
 
     took_s: float
@@ -153,15 +176,15 @@ class EarlierRuns:
         self.whole = band_of(sum(took_s for _, took_s in run) for run in runs)
 
     @cached_property
-    def _passages(self) -> dict[PhaseKey, list[_Passage]]:
-        found: dict[PhaseKey, list[_Passage]] = {}
+    def _passages(self) -> dict[PhaseKey, list[_Earlier]]:
+        found: dict[PhaseKey, list[_Earlier]] = {}
         for run in self.runs:
             entered, rest_s = Counter[str](), sum(took_s for _, took_s in run)
             for phase, took_s in run:
                 entered[phase] += 1
                 rest_s -= took_s
                 key = PhaseKey(phase, entered[phase])
-                found.setdefault(key, []).append(_Passage(took_s, rest_s))
+                found.setdefault(key, []).append(_Earlier(took_s, rest_s))
         return found
 
     @property
@@ -188,7 +211,7 @@ class EarlierRuns:
 
     def matters(self, key: PhaseKey) -> bool:
         """Return whether the phase takes any time worth mentioning."""
-        return max(self.times_s(key), default=inf) >= _WORTH_SAYING_S
+        return max(self.times_s(key), default=inf) >= WORTH_SAYING_S
 
     def usual(self, key: PhaseKey) -> Band | None:
         """Return how long the phase takes; None if too few runs have entered it."""

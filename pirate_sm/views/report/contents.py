@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 from pirate_sm.core.effects import MarkKind, SpanKind
 from pirate_sm.core.geometry import Place, Vector
 from pirate_sm.running.recording.viewers.pipe_walls import Outline, Rings
+from pirate_sm.running.runtime.phase_times import PhaseStay
 from pirate_sm.views.drawing.pipe_views import NamedPoint, SideSeen, WayPoint
 
 if TYPE_CHECKING:
@@ -118,6 +119,18 @@ class Lane:
     expected: tuple[ExpectedEnd, ...] = ()
 
 
+class CurveBand(NamedTuple):
+    """Where the curve of a run like earlier ones is expected, from each time until the next.
+
+    Attributes:
+        low: The lower bound in the unit of the chart, NaN if there is none; ``high`` likewise.
+    """
+
+    times_s: list[float]
+    low: list[float]
+    high: list[float]
+
+
 @dataclass(frozen=True)
 class Series:
     """One curve.
@@ -128,6 +141,7 @@ class Series:
         stepped: Whether a value holds until the next one.
         main: Whether it is emphasized.
         like: Number of the curve of the chart that this one is to be compared with; None: of none.
+        band: Where earlier runs let expect it; None if they do not say.
     """
 
     name: str
@@ -136,6 +150,7 @@ class Series:
     stepped: bool = False
     main: bool = False
     like: int | None = None
+    band: CurveBand | None = None
 
 
 @dataclass(frozen=True)
@@ -145,6 +160,7 @@ class Chart:
     Attributes:
         digits: Number of significant decimals in this unit.
         note: A note that the reader needs.
+        bands: What the bands of its curves are, in words; empty without any.
     """
 
     title: str
@@ -152,6 +168,7 @@ class Chart:
     digits: int
     series: tuple[Series, ...]
     note: str = ""
+    bands: str = ""
 
 
 @dataclass(frozen=True)
@@ -288,6 +305,7 @@ class Report:
             began, and what nearly went wrong.
         other: The second run, in a report of two; everything else has both, or is of the first.
         source: Name of the mission's file; ``lines`` are those of each phase and end in it.
+        passages: The phases that the run has entered, in order.
     """
 
     title: str
@@ -310,6 +328,7 @@ class Report:
     other: SecondRun | None = None
     source: str = ""
     lines: Mapping[str, PhaseLines] = field(default_factory=dict)
+    passages: tuple[PhaseStay, ...] = ()
 
     @property
     def failure(self) -> Sentence | None:

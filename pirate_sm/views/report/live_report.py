@@ -16,10 +16,12 @@ from typing import Any
 from pirate_sm.core.errors import PirateError
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.models import SIMULATORS
+from pirate_sm.running.recording.forecast_file import ForecastFile, forecast_of, read_forecast
 from pirate_sm.running.recording.read.growing import GrowingRecording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.replay import rerun
 from pirate_sm.views.report.contents import Photo, Report
+from pirate_sm.views.report.expectations import with_expectations
 from pirate_sm.views.report.film_strip import photos_of
 from pirate_sm.views.report.poses import Poses
 from pirate_sm.views.report.recording_report import RunContents, add_known
@@ -64,6 +66,7 @@ class LiveReport:
         publish: Receives each edition, in that thread.
         failed: Receives, in that thread, why there is no edition and none will follow. What goes
             wrong after the first edition is a warning in the last one.
+        forecast: File with earlier runs to compare it with; None: it is compared with none.
 
     Raises:
         RecordingError: There is no such file, it is not a recording, or its header is damaged.
@@ -74,8 +77,11 @@ class LiveReport:
         path: Path,
         publish: Callable[[Edition], None],
         failed: Callable[[Exception], None],
+        forecast: Path | None = None,
     ) -> None:
         self._growing = GrowingRecording(path)
+        self._earlier = forecast
+        self._forecast: ForecastFile | None = None
         self._publish, self._failed = publish, failed
         self._closing = threading.Event()
         self._next = 0
@@ -101,6 +107,8 @@ class LiveReport:
 
     def _follow(self) -> None:
         header = self._growing.so_far().header
+        if self._earlier is not None:
+            self._forecast = read_forecast(self._earlier, forecast_of(header))
         with recorded_mission(header) as loaded:
             run = RunContents(
                 loaded, about_run(header, loaded), estimates=header.backend not in SIMULATORS
@@ -169,5 +177,7 @@ class LiveReport:
     def _numbered(self, report: Report) -> Edition:
         gaps = tuple((gap.from_s, gap.until_s) for gap in self._growing.so_far().gaps)
         photos = tuple(self._photos[at_s] for at_s in sorted(self._photos))
+        if self._forecast is not None:
+            report = with_expectations(report, self._forecast)
         version, self._next = self._next, self._next + 1
         return edition_of(replace(report, photos=photos, gaps=gaps), version)

@@ -133,23 +133,28 @@ class PageProcess:
             found.append(self._happened.popleft())
         return found
 
-    def follow(self, recording: Path) -> Companion:
+    def follow(self, recording: Path, forecast: Path | None = None) -> Companion:
         """Show the run of this recording, a later one as soon as it does something.
+
+        Args:
+            recording: The recording.
+            forecast: File with earlier runs to compare it with.
 
         Returns:
             The companion that the run needs for that.
         """
         if not self._shows:
             self._shows = True
-            self._show(recording)
+            self._show(recording, forecast)
             return FirstDeed(lambda: None)
-        return FirstDeed(partial(self._show, recording))
+        return FirstDeed(partial(self._show, recording, forecast))
 
-    def _show(self, recording: Path) -> None:
+    def _show(self, *files: Path | None) -> None:
+        line = json.dumps([None if each is None else str(each.resolve()) for each in files])
         if self._process.stdin is not None:
             with suppress(OSError):  # the process has ended, or takes nothing
                 os.set_blocking(self._process.stdin.fileno(), False)
-                os.write(self._process.stdin.fileno(), f"{recording.resolve()}\n".encode())
+                os.write(self._process.stdin.fileno(), f"{line}\n".encode())
 
     def _hear(self) -> tuple[str, bytes]:
         """Return the address that the process says first, and what it has said after it."""
@@ -241,7 +246,8 @@ async def _until_unwatched(server: PageServer) -> None:
     """Show what is to be shown; return when no run follows and no page was open for a while."""
     unseen_s = LINGER_S
     while line := await asyncio.to_thread(sys.stdin.readline):
-        await server.show(Path(line.rstrip("\n")))
+        recording, forecast = json.loads(line)
+        await server.show(Path(recording), forecast and Path(forecast))
         unseen_s = 0.0
     while unseen_s < LINGER_S:
         await asyncio.sleep(_LOOK_EVERY_S)

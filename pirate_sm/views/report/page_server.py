@@ -283,8 +283,12 @@ class PageServer:
         """Return the address for a browser."""
         return f"http://{HOST}:{self.port}/"
 
-    async def show(self, shown: Shown) -> None:
+    async def show(self, shown: Shown, forecast: Path | None = None) -> None:
         """Serve the page of a recording, or a report; pages that show another one load again.
+
+        Args:
+            shown: What it shows.
+            forecast: File with earlier runs to compare a recording with.
 
         Raises:
             RecordingError: It is not a recording.
@@ -305,7 +309,7 @@ class PageServer:
         def failed(error: Exception) -> None:  # in the thread of the report
             loop.call_soon_threadsafe(self._fail, error)
 
-        self._report = LiveReport(shown, take, failed)
+        self._report = LiveReport(shown, take, failed, forecast)
         self._report.start()
 
     def _fail(self, error: Exception) -> None:
@@ -336,6 +340,7 @@ async def serve(
     said: Callable[[str], object],
     until: Callable[[PageServer], Awaitable[object]],
     acting: Acting | None = None,
+    forecast: Path | None = None,
 ) -> None:
     """Serve a page.
 
@@ -345,6 +350,7 @@ async def serve(
         said: Receives the address, once it can be opened.
         until: Returns when the server is to end, unless it is cancelled before.
         acting: The buttons of the page; None: it only shows.
+        forecast: File with earlier runs to compare a recording with.
 
     Raises:
         RecordingError: The recording cannot be read; also if that is found after the address
@@ -354,7 +360,7 @@ async def serve(
     server = PageServer(port, acting)
     try:
         if shown is not None:
-            await server.show(shown)
+            await server.show(shown, forecast)
         said(server.address)
         await _first(asyncio.ensure_future(until(server)), server.failure)
     finally:

@@ -19,19 +19,20 @@ from pirate_sm.core.events import Event, SensorFrame
 from pirate_sm.core.geometry import drawn_walls
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.running.recording.clamp_forces import clamp_forces, in_words
+from pirate_sm.running.recording.forecast_file import ForecastFile
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.replay import Rerun, rerun, same
 from pirate_sm.running.recording.viewers.viewer_messages import WheelPlacing
 from pirate_sm.running.runtime.near_misses import NearMisses
-from pirate_sm.running.runtime.phase_times import EarlierRuns
+from pirate_sm.running.runtime.phase_times import PhaseVisits
 from pirate_sm.views.drawing.graph.highlight import RunPath, Stop, highlight
 from pirate_sm.views.drawing.graph.mission_graph import mission_graph
 from pirate_sm.views.drawing.svg.svg_writer import svg
 from pirate_sm.views.report.charts import Measured, Samples, TravelChart, charts
 from pirate_sm.views.report.contents import Report, Sentence
-from pirate_sm.views.report.expected_times import with_expected_times
+from pirate_sm.views.report.expectations import with_expectations
 from pirate_sm.views.report.film_strip import photos_of
 from pirate_sm.views.report.phase_lines import phase_lines
 from pirate_sm.views.report.poses import (
@@ -99,6 +100,7 @@ class RunContents:
         descriptions = {name: each.description for name, each in loaded.mission.phases.items()}
         self._story = Story(descriptions, nominal=about.nominal)
         self._way = RunPath()
+        self._visits = PhaseVisits()
         self._holding = Holding(robot)
         self._clamped: deque[tuple[float, EngineState]] = deque(maxlen=_MOST_CLAMPS)
         self._forces: dict[float, str] = {}
@@ -143,6 +145,7 @@ class RunContents:
         self._timeline.take(at_s, step.event, step.effects, name)
         self._story.take(at_s, step.event, step.effects)
         self._way.see(step.effects, at_s)
+        self._visits.see(step.effects, at_s)
         for effect in step.effects:
             if isinstance(effect, fx.Setpoints):
                 self._setpoints.take(at_s, effect.values)
@@ -201,6 +204,7 @@ class RunContents:
             doubts=() if about.nominal else tuple(self._look_twice()),
             source=Path(source.name).name,
             lines=phase_lines(source, loaded.mission),
+            passages=self._visits.until(until_s),
         )
 
     def _diagram(self) -> str:
@@ -277,12 +281,12 @@ class RunContents:
 # --- of a recording -----------------------------------------------------------------------------
 
 
-def report_of(recording: Recording, forecast: EarlierRuns | None = None) -> Report:
+def report_of(recording: Recording, forecast: ForecastFile | None = None) -> Report:
     """Return the report of a recorded run.
 
     Args:
         recording: The recording.
-        forecast: What earlier runs say about its times; None: nothing.
+        forecast: What earlier runs say about it; None: nothing.
 
     Raises:
         RecordingError: The recording is damaged, or of a version that cannot be read any more.
@@ -298,9 +302,7 @@ def report_of(recording: Recording, forecast: EarlierRuns | None = None) -> Repo
     photos = photos_of(recording, report.lanes)
     gaps = tuple((gap.from_s, gap.until_s) for gap in recording.gaps)
     report = replace(report, recording=recording.sha256, photos=photos, gaps=gaps)
-    if forecast is None:
-        return report
-    return with_expected_times(report, recording.effects(), forecast)
+    return report if forecast is None else with_expectations(report, forecast)
 
 
 def known_poses(recording: Recording, loaded: LoadedMission) -> Poses | None:

@@ -135,19 +135,26 @@ def _chart(chart: Chart, clocks: _Clocks) -> Json:
         "digits": chart.digits,
         "note": chart.note,
         "series": [_series(each, chart.digits, clocks) for each in chart.series],
+        **({"bands": chart.bands} if chart.bands else {}),
     }
 
 
 def _series(series: Series, digits: int, clocks: _Clocks) -> Json:
     values = [_number(value, digits) for value in series.values]
-    found = {
+    found: Json = {
         "name": series.name,
         "clock": clocks.number(series.times_s),
         "values": values,
         "stepped": series.stepped,
         "main": series.main,
     }
-    return found if series.like is None else {**found, "like": series.like}
+    if series.like is not None:
+        found["like"] = series.like
+    if series.band is not None:
+        times_s, *bounds = series.band
+        low, high = ([_number(value, digits) for value in each] for each in bounds)
+        found["band"] = {"clock": clocks.number(times_s), "low": low, "high": high}
+    return found
 
 
 def _number(value: float, digits: int) -> float | int | None:

@@ -6,9 +6,11 @@ const TINTS = 8, HEIGHT = 200;
 /** A value that is older than this shows its age, s. */
 const OLD_S = 0.5;
 
+const BAND_ALPHA = 0.16;
+
 const drawPlots = () => {
   const host = byId('plots');
-  let plots = [];
+  let plots = [], pointed = null;
 
   /** Curves that were measured at different times on one axis; uPlot knows gaps from misses. */
   const aligned = (series) => {
@@ -48,18 +50,60 @@ const drawPlots = () => {
         button.setAttribute('aria-pressed', String(on));
         plotOf().setSeries(number + 1, { show: on });
       });
-      button.addEventListener('pointerenter', () => plotOf().setSeries(number + 1, { focus: true }));
-      button.addEventListener('pointerleave', () => plotOf().setSeries(null, { focus: true }));
+      button.addEventListener('pointerenter', () => { pointed = series; plotOf().setSeries(number + 1, { focus: true }); });
+      button.addEventListener('pointerleave', () => { pointed = null; plotOf().setSeries(null, { focus: true }); });
       item.append(button);
       list.append(item);
       return value;
     });
+    if (chart.bands) {
+      const item = document.createElement('li');
+      item.className = 'band';
+      item.textContent = chart.bands;
+      list.append(item);
+    }
     figure.append(list);
     return () => chart.series.forEach((series, number) => {
       const value = valueAt(series, shown.at), age = ageAt(series, shown.at);
       const old = data.running && !series.stepped && age > OLD_S ? ` ${timeText(age)} ago` : '';
       values[number].textContent = value === null ? '–' : value.toFixed(chart.digits) + old;
     });
+  };
+
+  /** The bands of the curves that are shown: from when until when, between which values. */
+  const bandsIn = (chart, plot) => chart.series.flatMap((series, number) => {
+    const { band } = series;
+    if (!band || !plot.series[number + 1].show) return [];
+    const times = clocks[band.clock], { tint } = styleOf(chart.series, number), boxes = [];
+    for (let i = 0; i + 1 < times.length; i++) {
+      if (band.low[i] === null || times[i + 1] <= shown.from || times[i] >= shown.to) continue;
+      boxes.push([Math.max(times[i], shown.from), Math.min(times[i + 1], shown.to), band.low[i], band.high[i]]);
+    }
+    return boxes.length ? [{ series, tint, boxes }] : [];
+  });
+
+  /** Bands are behind their curves; while one is pointed at in the legend, the others are away. */
+  const drawBands = (chart) => (plot) => {
+    const { ctx } = plot, x = (time) => Math.round(plot.valToPos(time, 'x', true)), y = (value) => plot.valToPos(value, 'y', true);
+    ctx.save();
+    ctx.globalAlpha = BAND_ALPHA;
+    bandsIn(chart, plot).forEach(({ series, tint, boxes }) => {
+      if (pointed !== null && chart.series.includes(pointed) && series !== pointed) return;
+      ctx.fillStyle = colour(tint);
+      ctx.beginPath();
+      boxes.forEach(([from, until, low, high]) => ctx.rect(x(from), y(high) - 1, x(until) - x(from), y(low) - y(high) + 2));
+      ctx.fill();
+    });
+    ctx.restore();
+  };
+
+  /** The axis of values has room for the bands too. */
+  const withBands = (chart) => (plot, low, high) => {
+    const bounds = [low, high].filter((each) => each !== null);
+    bandsIn(chart, plot).forEach(({ boxes }) => boxes.forEach((box) => bounds.push(box[2], box[3])));
+    if (!bounds.length) return [low, high];
+    const [least, most] = bounds.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+    return uPlot.rangeNum(least, most, 0.1, true);
   };
 
   const optionsOf = (chart, width) => {
@@ -76,7 +120,10 @@ const drawPlots = () => {
       cursor: {
         y: false, points: { show: false }, focus: { prox: -1 }, drag: { x: true, y: false, setScale: false },
       },
-      scales: { x: { time: false, range: () => [shown.from, shown.to] } },
+      scales: {
+        x: { time: false, range: () => [shown.from, shown.to] },
+        ...(chart.bands ? { y: { range: withBands(chart) } } : {}),
+      },
       axes: [
         { ...axis, size: 30, incrs: STEPS, values: (_, ticks) => ticks.map(ticked) },
         { ...axis, size: 58, values: (_, ticks) => ticks.map((each) => `${+each.toFixed(6)}`) },
@@ -90,6 +137,7 @@ const drawPlots = () => {
         };
       })],
       hooks: {
+        drawAxes: [drawBands(chart)],
         draw: [({ ctx, bbox, valToPos }) => {
           const end = bbox.left + bbox.width, at = (time) => Math.min(end, Math.max(bbox.left, valToPos(time, 'x', true)));
           ctx.save();
@@ -138,7 +186,8 @@ const drawPlots = () => {
       const [low, high] = known.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
       return `${name} from ${low.toFixed(chart.digits)} to ${high.toFixed(chart.digits)}`;
     });
-    return `${chart.title} in ${chart.unit} over time: ${ranges.join('; ')}`;
+    const bands = chart.bands ? `; ${chart.bands}` : '';
+    return `${chart.title} in ${chart.unit} over time: ${ranges.join('; ')}${bands}`;
   };
 
   const make = (chart) => {
@@ -180,7 +229,7 @@ const drawPlots = () => {
     plots.push(made);
   };
 
-  const names = () => JSON.stringify(data.charts.map((chart) => [chart.title, chart.note, chart.series.map((each) => each.name)]));
+  const names = () => JSON.stringify(data.charts.map((chart) => [chart.title, chart.note, chart.bands, chart.series.map((each) => each.name)]));
   let drawn = '';
   const fill = () => {
     if (drawn === names()) { plots.forEach((each) => each.grow()); return; }

@@ -173,6 +173,32 @@ def test_a_wrong_time_is_reported_with_its_place(
     assert (told.exit_code, "expected at least 0.0" in told.stderr) == (2, True)
 
 
+def test_signals_are_for_a_file_and_need_as_many_runs_as_times(
+    pirate: Any, mission: Path, recorded: Path
+) -> None:
+    told = pirate("forecast", mission, "--rehearse", "2", "--signals")
+    assert (told.exit_code, "name it with --output" in told.stderr) == (2, True)
+    told = pirate("forecast", ".", "--signals", "-o", "times.yaml")
+    assert "there are no bands of signals: 19 runs are needed" in told.stderr
+    assert read_forecast(Path("times.yaml")).signals is None
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("rehearsed", [True, False])
+def test_bands_of_signals_are_behind_the_plots(
+    pirate: Any, mission: Path, recorded: Path, *, rehearsed: bool
+) -> None:
+    for number in range(0 if rehearsed else 19):
+        run(mission, seed=number, record=f"seed{number}.mcap")
+    runs = [mission, "--rehearse", "20"] if rehearsed else ["."]
+    made = pirate("forecast", *runs, "--signals", "-o", "times.yaml")
+    assert (made.exit_code, " curves in 2 phases, of 20 runs" in made.stderr) == (0, True)
+    assert read_forecast(Path("times.yaml")).text() == Path("times.yaml").read_text("utf-8")
+    assert pirate("report", recorded, "--forecast", "times.yaml").exit_code == 0
+    page = recorded.with_suffix(".html").read_text("utf-8")
+    assert "shaded: 90 % of 20 runs on sim, each moment by itself" in page
+
+
 def test_what_cannot_be_counted_is_refused(pirate: Any, mission: Path, recorded: Path) -> None:
     run(mission, backend="trace", record="trace.mcap")
     told = pirate("forecast", "trace.mcap")
@@ -205,5 +231,6 @@ def test_the_page_shows_what_was_expected(
     page = recorded.with_suffix(".html").read_text("utf-8")
     assert "clamp usually takes" in page
     assert "rest is slower than in all 40 runs on sim" in page
+    assert "shaded:" not in page  # it is a file without bands, as earlier versions wrote them
     two = pirate("report", ".", "--forecast", "times.yaml")
     assert (two.exit_code, "for the page of one recording" in two.stderr) == (2, True)

@@ -19,6 +19,7 @@ from typer.testing import Result
         (["mitre_bend", "--margins", "nowhere"], "no results of a campaign in 'nowhere'"),
         (["mitre_bend", "--pipe", "nowhere"], "there is no pipe 'nowhere'"),
         (["a.mcap"], "a.mcap cannot be read"),
+        (["mitre_bend", "--forecast", "times.yaml"], "--forecast is for the page of one run"),
     ],
 )
 def test_what_cannot_be_shown_is_refused_with_the_reason(

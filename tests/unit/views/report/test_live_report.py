@@ -10,11 +10,15 @@ from pathlib import Path
 
 import pytest
 
+from pirate_sm.running.recording.forecast_file import counted, forecast_of, read_forecast
 from pirate_sm.running.recording.read import growing
 from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.recording.signal_bands import signal_bands
 from pirate_sm.views.report import live_report
 from pirate_sm.views.report.changes import changes
 from pirate_sm.views.report.contents import Report
+from pirate_sm.views.report.expectations import with_expectations
+from pirate_sm.views.report.expected_signals import run_extremes
 from pirate_sm.views.report.live_report import Edition, LiveReport
 from pirate_sm.views.report.recording_report import RunContents
 from pirate_sm.views.report.report_page import fragments, report_json
@@ -23,7 +27,9 @@ from tests.representative import thorough_but
 from .test_changes import applied
 
 
-def followed(path: Path, source: Path, *, steps: int = 6) -> list[Edition]:
+def followed(
+    path: Path, source: Path, *, steps: int = 6, forecast: Path | None = None
+) -> list[Edition]:
     """The editions of a page while the file grows in so many steps."""
     pieces = read_recording(source).content.pieces
     whole, marks = source.read_bytes(), [piece.at + piece.size for piece in pieces]
@@ -40,7 +46,11 @@ def followed(path: Path, source: Path, *, steps: int = 6) -> list[Edition]:
         elif edition.report.outcome != "running":
             ended.set()
 
-    live = LiveReport(path, publish, lambda error: (problems.append(error), ended.set()))
+    def failed(error: Exception) -> None:
+        problems.append(error)
+        ended.set()
+
+    live = LiveReport(path, publish, failed, forecast)
     live.start()
     assert ended.wait(60.0)
     live.close()
@@ -68,6 +78,45 @@ def test_the_last_edition_of_a_page_is_the_report_of_its_recording(
     assert {each.report.outcome for each in editions[:-1]} <= {"running", "failed", "succeeded"}
     assert editions[0].report.outcome == "running"
     assert editions[0].report.duration_s < last.report.duration_s
+
+
+def test_a_page_under_way_has_what_earlier_runs_let_expect_so_far(
+    recording: Callable[[str], Path], report: Callable[[str], Report], tmp_path: Path
+) -> None:
+    found = counted(read_recording(recording("patrol")))
+    signals = signal_bands([run_extremes(report("patrol"))] * 40)
+    forecast = forecast_of(found.header, [found.visits] * 40).model_copy(
+        update={"signals": signals}
+    )
+    file = tmp_path / "times.yaml"
+    file.write_text(forecast.text(), "utf-8")
+    editions = followed(tmp_path / "run.mcap", recording("patrol"), forecast=file)
+
+    whole = with_expectations(replace(report("patrol"), recording=""), read_forecast(file))
+    assert editions[-1].data == report_json(whole)
+    middle = editions[len(editions) // 2]
+    bands = [each.band for chart in middle.report.charts for each in chart.series if each.band]
+    assert bands
+    assert max(band.times_s[-1] for band in bands) <= middle.report.duration_s
+
+
+def test_a_page_is_not_compared_with_runs_of_another_mission(
+    recording: Callable[[str], Path], tmp_path: Path
+) -> None:
+    file, problems = tmp_path / "times.yaml", list[Exception]()
+    other = counted(read_recording(recording("trace")))
+    file.write_text(forecast_of(other.header, [other.visits]).text(), "utf-8")
+    ended = threading.Event()
+
+    def failed(error: Exception) -> None:
+        problems.append(error)
+        ended.set()
+
+    live = LiveReport(recording("patrol"), lambda _: None, failed, file)
+    live.start()
+    assert ended.wait(60.0)
+    live.close()
+    assert "is of the mission mitre_bend, not patrol" in str(problems[0])
 
 
 def test_a_page_that_takes_each_change_has_the_newest_data(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -138,16 +139,18 @@ def test_a_recording_is_shown_at_once_and_a_later_one_at_the_first_deed_of_its_r
     def tell(companion: Any, *effects: Effect) -> None:
         companion.react(effects, 1.0)
 
+    forecast = tmp_path / "times.yaml"
     desk.page.follow(tmp_path / "1.mcap")
     second = desk.page.follow(tmp_path / "2.mcap")
     tell(second, Log("info", "the operator has control"))
-    third = desk.page.follow(tmp_path / "3.mcap")
+    third = desk.page.follow(tmp_path / "3.mcap", forecast)
     tell(third, PhaseChange("drive"))
     tell(third, PhaseChange("halt"))
     desk.page.__exit__()
     desk.page._process.wait()
 
-    assert [Path(line).name for line in seen.read_text().split()] == ["1.mcap", "3.mcap"]
+    lines = [json.loads(line) for line in seen.read_text().splitlines()]
+    assert lines == [[str(tmp_path / "1.mcap"), None], [str(tmp_path / "3.mcap"), str(forecast)]]
 
 
 def test_nothing_waits_for_a_process_that_takes_nothing(played: Callable[[str], Desk]) -> None:
