@@ -349,6 +349,7 @@ def _presses(
     if source is None:
         return None
     from pirate_sm.robot.control_panel.panel_reader import PanelCompanion
+    from pirate_sm.running.runtime.breakpoints import breakpoints
 
     return PanelCompanion(
         source,
@@ -357,6 +358,7 @@ def _presses(
         valid_for_s=_valid_for_s(prepared),
         keyboard=keyboard,
         watching=watching,
+        places=lambda line: breakpoints(prepared.loaded, [line])[0],
     )
 
 

@@ -380,3 +380,48 @@ def test_a_press_that_reaches_nobody_is_not_said_to_be_sent(
     it.page.wait_for_function(
         "() => document.getElementById('answered').innerText.startsWith('STOP is not sent')"
     )
+
+
+def test_who_has_the_token_sets_breakpoints_and_runs_to_a_line(
+    grow: Callable[[str], Growing], watch: Callable[..., Opened]
+) -> None:
+    run = grow("bend")
+    it = watch(f"{run.address}#{run.acting.token}")
+    reaches(it, run.has(0.5))
+    it.page.locator('#diagram [data-node="regrip"]').first.click()
+    line = it.page.locator("#lines .line", has_text="command: ClampRear")
+    number = line.get_attribute("data-line")
+
+    for button, asked in ((".mark", "break"), (".here", "until")):
+        line.locator(button).dispatch_event("click")
+        it.page.wait_for_function(
+            "() => document.getElementById('answered').innerText.endsWith(': sent')"
+        )
+        assert run.pressed[-1] == f"{asked} mitre_bend.yaml:{number}"
+        it.page.evaluate("document.getElementById('answered').innerText = ''")
+    line.hover()
+    assert line.locator(".here").is_visible()
+
+    run.end()
+    it.page.locator("#acting").wait_for(state="hidden")
+    it.page.locator("#slider").fill("3")
+    line = it.page.locator("#lines .line").first
+    line.hover()
+    assert line.locator(".here").is_hidden(), "a run that is over cannot be steered"
+    assert it.said == []
+
+
+def test_who_has_no_token_sets_no_breakpoint(
+    grow: Callable[[str], Growing], watch: Callable[..., Opened]
+) -> None:
+    run = grow("bend")
+    it = watch(run.address)
+    reaches(it, run.has(0.5))
+
+    marks = it.page.locator("#lines .line button.mark")
+    assert marks.count() > 0
+    for mark in marks.all():
+        mark.dispatch_event("click")
+        assert mark.is_disabled()
+    assert it.page.locator("#lines .here:visible").count() == 0
+    assert run.pressed == []

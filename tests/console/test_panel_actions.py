@@ -14,7 +14,7 @@ from pirate_sm.core.events import GoTo, Pause
 from pirate_sm.core.loading import load_robot
 from pirate_sm.robot.control_panel.panel_file import load_panel
 from pirate_sm.robot.control_panel.panel_reader import Connection, Happening, PanelReader
-from pirate_sm.robot.control_panel.presses import Press
+from pirate_sm.robot.control_panel.presses import LinePress, Press
 from pirate_sm.robot.detectors.registry import Detecting
 from pirate_sm.running.wiring import Order, Prepared
 from pirate_sm.views.console.app import Console
@@ -243,5 +243,41 @@ def test_what_is_pressed_on_the_page_does_what_the_keys_do_and_says_where_it_was
             assert [each.by for each in given] == ["page", "page"]
             assert me.latest.state is not None
             assert me.latest.state.mission.paused
+
+    played(story)
+
+
+def test_lines_of_the_page_are_breakpoints_and_runs_to_them() -> None:
+    async def story() -> None:
+        desk = Desk()
+        prepared = with_mission("mitre_bend", backend="trace", check=False)
+        lines = prepared.loaded.documents[0].lines
+        rear = 1 + next(n for n, each in enumerate(lines) if "ClampRear" in each)
+        async with operator(prepared, console=desk.console()) as me:
+            await me.look()
+
+            async def press(do: Any, line: str) -> None:
+                desk.waiting.append(LinePress(do, line, "page"))
+                me.app.heed_panel()
+                await me.look()
+                me.wait(0.1)
+
+            await press("break", f"mitre_bend.yaml:{rear}")
+            assert me.latest.state is not None
+            (place,) = me.latest.state.mission.breakpoints
+            assert f":{rear}:" in place
+            await press("break", "mitre_bend.yaml:1")
+            await press("break", "other.yaml:3")
+            assert [each.split(": ")[0] for each in desk.notices] == [
+                "breakpoint at mitre_bend.yaml:1",
+                "breakpoint at other.yaml:3",
+            ]
+            await press("break", f"mitre_bend.yaml:{rear}")
+            assert me.latest.state.mission.breakpoints == ()
+
+            await press("until", f"mitre_bend.yaml:{rear}")
+            me.until(lambda: any("pauses before" in each for each in me.told()))
+            me.until(lambda: me.latest.state and me.latest.state.mission.paused)
+            assert me.wheels_stand()
 
     played(story)

@@ -25,6 +25,7 @@ from pirate_sm.core.effects import Effect, Ended, Log
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import (
+    Breakpoints,
     BuiltInFault,
     DetectorWord,
     Event,
@@ -47,6 +48,7 @@ from pirate_sm.robot.control_panel.panel_file import (
 from pirate_sm.robot.control_panel.presses import (
     TWICE_WITHIN_S,
     ControlChangeParser,
+    LinePress,
     Press,
     Presses,
     action_text,
@@ -206,7 +208,7 @@ class Connection(NamedTuple):
     message: str
 
 
-Happening: TypeAlias = Press | Connection
+Happening: TypeAlias = Press | LinePress | Connection
 
 
 class PressSource(Protocol):
@@ -371,11 +373,11 @@ class PanelCompanion:
         keyboard: Whether a person also has a keyboard. Otherwise the loss of the panel is a fault.
         watching: Whether an operator watches the robot as long as it runs; else only a paused
             mission waits for one.
+        places: Returns the place of the instruction in a line of the mission's files.
 
     Attributes:
         listening: Whether an operator is watching the robot or is waited for.
-        says_words: Whether the panel has buttons for words; likewise ``answers``, and ``resumes``
-            for a paused mission.
+        says_words: Whether the panel has buttons for words; likewise ``answers`` and ``resumes``.
     """
 
     def __init__(
@@ -387,6 +389,7 @@ class PanelCompanion:
         valid_for_s: float,
         keyboard: bool,
         watching: bool = True,
+        places: Callable[[str], str] = str,
     ) -> None:
         self.due_s = 0.0
         self.listening = self._watching = watching
@@ -394,9 +397,8 @@ class PanelCompanion:
         self.says_words = any(isinstance(each, WordButton) for each in buttons)
         self.answers = any(isinstance(each, AnswerButton) for each in buttons)
         self.resumes = any(isinstance(each, RunButton) and each.do == "go" for each in buttons)
-        self._reader = reader
-        self._robot = robot
-        self._speaks = speaks
+        self._reader, self._robot = reader, robot
+        self._speaks, self._places = speaks, places
         self._valid_for_s = valid_for_s
         self._keyboard = keyboard
         self._events: list[Event] = []
@@ -424,6 +426,8 @@ class PanelCompanion:
                 self._connection(happening)
             elif not self._began:
                 continue  # it was pressed before this run
+            elif isinstance(happening, LinePress):
+                self._press_line(happening, state.mission.breakpoints)
             elif happening.asks:
                 self._asked = ("", -inf)  # another button takes the first press back
                 self._ask(happening.name, action_text(happening.button))
@@ -465,6 +469,14 @@ class PanelCompanion:
                 self._events.append(DetectorWord(word, self._valid_for_s, press.by))
             case AnswerButton(answer=number):
                 self._keys += str(number)
+
+    def _press_line(self, press: LinePress, breakpoints: tuple[str, ...]) -> None:
+        asked = [each.at for each in self._events if isinstance(each, Breakpoints)]
+        try:
+            place = self._places(press.line)
+            self._events.append(press.event(place, asked[-1] if asked else breakpoints))
+        except UsageError as error:
+            self._logs.append(Log("warning", f"{press.what} {error}"))
 
     def _ask(self, name: str, what: str) -> None:
         text = f"press {name} again within {TWICE_WITHIN_S:g} s: {what}"

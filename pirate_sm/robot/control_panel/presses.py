@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import NamedTuple, assert_never
+from typing import Literal, NamedTuple, assert_never
 
+from pirate_sm.core.events import Breakpoints, Resume
 from pirate_sm.robot.control_panel import panel_file as kinds
 
 # --- MIDI -----------------------------------------------------------------------------------------
@@ -103,6 +104,37 @@ class Press(NamedTuple):
     button: kinds.Button
     asks: bool = False
     by: str = ""
+
+
+class LinePress(NamedTuple):
+    """A line of the mission's file has been pressed, as only the page of a run can.
+
+    Attributes:
+        do: Set or clear a breakpoint, or run until there.
+        line: The line, as in ``FILE:LINE``.
+        by: Where, as events record it.
+    """
+
+    do: Literal["break", "until"]
+    line: str
+    by: str
+
+    @property
+    def what(self) -> str:
+        """What is asked for, in words before the line."""
+        return "breakpoint at" if self.do == "break" else "run to"
+
+    def event(self, place: str, before: tuple[str, ...]) -> Breakpoints | Resume:
+        """Return the request of the operator.
+
+        Args:
+            place: The place of the instruction in the line.
+            before: The breakpoints until now.
+        """
+        if self.do == "until":
+            return Resume(self.by, place)
+        kept = tuple(each for each in before if each != place)
+        return Breakpoints(kept if place in before else (*before, place), self.by)
 
 
 @dataclass(frozen=True)

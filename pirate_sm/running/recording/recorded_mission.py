@@ -112,7 +112,8 @@ def as_recorded(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
     for each in header.resumed:
         resumption = resumption_from_text(each.resumption)
         program = resumption.program(program) if resumption is not None else program
-    named = replace(loaded, program=program)
+    documents = tuple(replace(each, name=names[each.name]) for each in loaded.documents)
+    named = replace(loaded, program=program, documents=documents)
     if not header.zeros:
         return named
     return replace(named, robot=with_zeros(loaded.robot, dict(header.zeros)))

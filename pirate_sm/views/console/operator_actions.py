@@ -36,7 +36,7 @@ from pirate_sm.robot.control_panel.panel_file import (
     WordButton,
 )
 from pirate_sm.robot.control_panel.panel_reader import Connection, PressSource
-from pirate_sm.robot.control_panel.presses import TWICE_WITHIN_S, Press, action_text
+from pirate_sm.robot.control_panel.presses import TWICE_WITHIN_S, LinePress, Press, action_text
 from pirate_sm.running.runtime.ending import BY_SIGNAL
 from pirate_sm.views.console import availability
 from pirate_sm.views.console.availability import CONTROLS, ways
@@ -340,6 +340,8 @@ class PanelActions(OperatorActions):
                 case Press(name, button, asks=True):
                     what = f"press {name} again within {TWICE_WITHIN_S:g} s"
                     self._refuse(action_text(button), what)
+                case LinePress():
+                    self.press_line(happening)
                 case Press(_, button, by=by):
                     self._press(button, by)
                 case _:

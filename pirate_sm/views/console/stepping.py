@@ -9,8 +9,10 @@ from typing import ClassVar
 from textual.binding import Binding, BindingType
 from textual.widgets import OptionList
 
+from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import Breakpoints
-from pirate_sm.running.runtime.breakpoints import Breakable, breakables
+from pirate_sm.robot.control_panel.presses import LinePress
+from pirate_sm.running.runtime.breakpoints import Breakable, breakables, breakpoints
 from pirate_sm.views.console import availability
 from pirate_sm.views.console.dialogs import Pick, PickLine
 from pirate_sm.views.console.hand_back import HandBackActions
@@ -100,6 +102,18 @@ class SteppingActions(HandBackActions):
             return
         event = availability.going_on(snapshot)._replace(by=by, until=place)
         self._agree(partial(self.session.give_event, event))
+
+    def press_line(self, press: LinePress) -> None:
+        """Do what is asked for at a line of the mission's file."""
+        try:
+            (place,) = breakpoints(self.session.latest.scene.loaded, [press.line])
+        except UsageError as error:
+            self._refuse(*f"{press.what} {error}".split(": ", 1))
+            return
+        if len(self.screen_stack) > 1:
+            self._refuse(f"{press.what} {press.line}", "a dialog is open")
+        else:
+            (self.toggle if press.do == "break" else self.run_to)(place, press.by)
 
 
 def why_not_break(snapshot: Snapshot) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hmac
+import re
 import secrets
 import time
 from collections import deque
@@ -11,6 +12,9 @@ from typing import Final, NamedTuple
 
 MOST_A_SECOND: Final = 15
 """An operator does not press more often. The run takes more than twice as many."""
+
+LINE: Final = re.compile(r"(?P<do>break|until) (?P<line>[^\x00-\x1f:]{1,120}:[0-9]{1,6})")
+"""What is asked for at a line of the mission's file: a breakpoint, or to run until there."""
 
 STOP: Final = "stop"
 """The button whose presses are counted apart from all others."""
@@ -58,7 +62,7 @@ class Acting:
         """Press a button for a viewer who has shown this token; return why not, if not."""
         if not hmac.compare_digest(token.encode(), self.token.encode()):
             return Refusal(403, _NO_TOKEN)
-        if button not in self.buttons:
+        if button not in self.buttons and LINE.fullmatch(button) is None:
             return Refusal(400, f"This page has other buttons: {', '.join(self.buttons)}")
         now_s, pressed_s = self._now(), self._pressed_s[button == STOP]
         if len(pressed_s) == MOST_A_SECOND and now_s < pressed_s[0] + 1.0:

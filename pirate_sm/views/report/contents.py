@@ -261,6 +261,24 @@ class PhaseLines(NamedTuple):
     text: str
 
 
+class Stepping(NamedTuple):
+    """How to step through a run, in lines of the mission's own file.
+
+    Attributes:
+        lines: Those before which it can pause.
+        begun: When a command, wait, question, phase or end began, and its line; 0 is in the file of
+            a called mission.
+        breakpoints: From when on there were breakpoints before which lines.
+    """
+
+    lines: tuple[int, ...] = ()
+    begun: tuple[tuple[float, int], ...] = ()
+    breakpoints: tuple[tuple[float, tuple[int, ...]], ...] = ()
+
+
+NO_STEPS = Stepping()
+
+
 class Fact(NamedTuple):
     """A line of the details at the end of the page."""
 
@@ -306,6 +324,7 @@ class Report:
         other: The second run, in a report of two; everything else has both, or is of the first.
         source: Name of the mission's file; ``lines`` are those of each phase and end in it.
         passages: The phases that the run has entered, in order.
+        stepping: When lines of it began.
     """
 
     title: str
@@ -329,6 +348,7 @@ class Report:
     source: str = ""
     lines: Mapping[str, PhaseLines] = field(default_factory=dict)
     passages: tuple[PhaseStay, ...] = ()
+    stepping: Stepping = NO_STEPS
 
     @property
     def failure(self) -> Sentence | None:

@@ -22,15 +22,15 @@ from math import inf
 from pathlib import Path
 from socket import MSG_DONTWAIT, SHUT_RDWR, socket, socketpair
 from threading import Thread
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pirate_sm.core.companion import Companion, CompanionBase
 from pirate_sm.core.effects import CommandStatus, Effect, PhaseChange
 from pirate_sm.core.errors import PirateError, UsageError, not_installed
 from pirate_sm.robot.control_panel.panel_file import Button, RunButton, WordButton
 from pirate_sm.robot.control_panel.panel_reader import Connection, EndRun, Happening
-from pirate_sm.robot.control_panel.presses import Press
-from pirate_sm.views.report.acting import STOP, Acting
+from pirate_sm.robot.control_panel.presses import LinePress, Press
+from pirate_sm.views.report.acting import LINE, STOP, Acting
 
 if TYPE_CHECKING:
     from pirate_sm.views.report.page_server import PageServer
@@ -65,6 +65,7 @@ def page_buttons(words: Collection[str]) -> dict[str, Button]:
         STOP: RunButton(do="stop"),
         "pause": RunButton(do="pause"),
         "continue": RunButton(do="go"),
+        "step": RunButton(do="step"),
     }
     return buttons | {f"word {word}": WordButton(word=word) for word in words}
 
@@ -194,10 +195,14 @@ class PageProcess:
 
     def _take(self, line: bytes) -> bool:
         """Act on a press; return whether a process that works can have sent it."""
-        button, now_s = self._buttons.get(line.decode(errors="replace")), time.monotonic()
-        if button is None:
+        name, now_s = line.decode(errors="replace"), time.monotonic()
+        button, asked = self._buttons.get(name), LINE.fullmatch(name)
+        if asked is not None:
+            do: Literal["break", "until"] = "break" if asked["do"] == "break" else "until"
+            self._happened.append(LinePress(do, asked["line"], BY))
+        elif button is None:
             return False
-        if isinstance(button, RunButton) and button.do == "stop":
+        elif isinstance(button, RunButton) and button.do == "stop":
             self._end_run(f"stopped on the {BY}")
         else:
             self._happened.append(Press(BY, button, by=BY))

@@ -45,6 +45,7 @@ from pirate_sm.views.report.poses import (
     travel_of,
 )
 from pirate_sm.views.report.run_facts import About, about_run
+from pirate_sm.views.report.stepping import SteppingNotes
 from pirate_sm.views.report.story import RunEnding, RunFacts, Story, full_stop, summary
 from pirate_sm.views.report.timeline import Timeline
 
@@ -99,8 +100,8 @@ class RunContents:
         self._timeline = Timeline(robot.regions, nominal=about.nominal)
         descriptions = {name: each.description for name, each in loaded.mission.phases.items()}
         self._story = Story(descriptions, nominal=about.nominal)
-        self._way = RunPath()
-        self._visits = PhaseVisits()
+        self._way, self._visits = RunPath(), PhaseVisits()
+        self._stepping = SteppingNotes(loaded)
         self._holding = Holding(robot)
         self._clamped: deque[tuple[float, EngineState]] = deque(maxlen=_MOST_CLAMPS)
         self._forces: dict[float, str] = {}
@@ -146,6 +147,7 @@ class RunContents:
         self._story.take(at_s, step.event, step.effects)
         self._way.see(step.effects, at_s)
         self._visits.see(step.effects, at_s)
+        self._stepping.take(at_s, step.effects, again.state)
         for effect in step.effects:
             if isinstance(effect, fx.Setpoints):
                 self._setpoints.take(at_s, effect.values)
@@ -205,6 +207,7 @@ class RunContents:
             source=Path(source.name).name,
             lines=phase_lines(source, loaded.mission),
             passages=self._visits.until(until_s),
+            stepping=self._stepping.contents(),
         )
 
     def _diagram(self) -> str:

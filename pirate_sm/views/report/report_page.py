@@ -24,6 +24,7 @@ from pirate_sm.views.report.contents import (
     Sentence,
     Series,
     SpaceScene,
+    Stepping,
 )
 from pirate_sm.views.report.film_strip import seen_words, strip
 
@@ -108,6 +109,7 @@ def report_json(report: Report) -> Json:
         "running": report.outcome == "running",
         "source": report.source,
         "lines": {name: [*each] for name, each in report.lines.items()},
+        "stepping": _stepping(report.stepping),
     }
     return {**found, "clocks": clocks.written}
 
@@ -177,6 +179,14 @@ def _lane(lane: Lane) -> Json:
 
 def _seconds(time_s: float) -> float:
     return round(time_s, 3)
+
+
+def _stepping(it: Stepping) -> Json:
+    return {
+        "lines": [*it.lines],
+        "begun": [[_seconds(at_s), line] for at_s, line in it.begun],
+        "breakpoints": [[_seconds(at_s), [*lines]] for at_s, lines in it.breakpoints],
+    }
 
 
 def _scene(scene: RobotScene, clocks: _Clocks) -> Json:
@@ -299,7 +309,7 @@ SIGNS = {
 
 _STORY_SIGNS = {"phase": "", "trouble": "!", "person": "☺", "end": "■"}
 _SPEEDS = (0.25, 0.5, 1, 2, 4, 8, 16)
-_SCRIPTS = ("base.js", "scene.js", "timeline.js", "plots.js", "player.js")
+_SCRIPTS = ("base.js", "scene.js", "timeline.js", "plots.js", "stepping.js", "player.js")
 
 
 def fragments(report: Report) -> dict[str, str]:
@@ -377,7 +387,12 @@ def _acting(buttons: Iterable[str]) -> str:
 
 
 def _label(button: str) -> str:
-    run = {"stop": "STOP", "pause": "Pause the mission", "continue": "Continue the mission"}
+    run = {
+        "stop": "STOP",
+        "pause": "Pause the mission",
+        "continue": "Continue the mission",
+        "step": "One step",
+    }
     return run.get(button) or f"Say: {button.removeprefix('word ')}"
 
 

@@ -5,7 +5,7 @@ const startActing = () => {
   const buttons = [...bar.querySelectorAll('button')];
 
   const press = async (button) => {
-    const name = button.textContent, stops = button.dataset.press === 'stop';
+    const name = button.textContent || button.getAttribute('aria-label'), stops = button.dataset.press === 'stop';
     answered.textContent = `${name} …`;
     try {
       const answer = await fetch('/presses', { method: 'POST', headers: { Authorization: `Bearer ${token}` }, body: button.dataset.press });
@@ -16,11 +16,15 @@ const startActing = () => {
     }
   };
 
-  const show = () => { bar.hidden = !data.running; };
+  const show = () => {
+    bar.hidden = !data.running;
+    document.documentElement.toggleAttribute('data-acts', Boolean(token) && data.running);
+  };
 
-  buttons.forEach((button) => {
-    button.hidden = !token;
-    button.addEventListener('click', () => press(button));
+  buttons.forEach((button) => { button.hidden = !token; });
+  document.addEventListener('click', (event) => {
+    const button = event.target.closest('[data-press]');
+    if (button && token && data.running) press(button);
   });
   if (!token) answered.textContent = 'You watch. To act, open the address that the run printed, with all that follows the #.';
   addEventListener('hashchange', () => location.reload());

@@ -97,7 +97,6 @@ const startNow = () => {
 
 /** The diagram shows which phase is current, and leads to the first time and the lines of each. */
 const startDiagram = () => {
-  const lines = byId('lines');
   let nodes = new Map(), moments = new Map(), chosen = null, drawn = null;
   const lane = () => laneOf('phase') || { spans: [], marks: [] };
   const nodeOf = (phase) => {
@@ -110,14 +109,6 @@ const startDiagram = () => {
     chosen = node.dataset.node;
     if (moments.has(node)) shown.goTo(moments.get(node));
     show();
-  };
-  /** The lines of the file that describe what has been chosen, or else the current phase. */
-  const tell = (name) => {
-    const found = data.lines[name];
-    lines.hidden = !found;
-    if (!found) return;
-    lines.querySelector('figcaption').textContent = `${name}: ${data.source}, line ${found[0]}`;
-    lines.querySelector('pre').textContent = found[1];
   };
   const fill = () => {
     const first = byId('diagram').firstElementChild;
@@ -152,7 +143,7 @@ const startDiagram = () => {
     const span = spanAt(lane(), shown.at);
     const current = end ? nodes.get(end[1]) : span && nodeOf(span[2]);
     nodes.forEach((node) => node.classList.toggle('now', node === current));
-    tell(chosen || (current && current.dataset.node) || '');
+    tellLines(chosen || (current && current.dataset.node) || '');
   };
   shown.on('data', fill);
   shown.on('time', () => { if (chosen && !(moments.get(nodes.get(chosen)) === shown.at)) chosen = null; show(); });

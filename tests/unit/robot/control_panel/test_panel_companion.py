@@ -9,7 +9,9 @@ from typing import Any
 import pytest
 
 from pirate_sm.core.effects import Ended
+from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import (
+    Breakpoints,
     DetectorWord,
     Event,
     FaultReport,
@@ -21,7 +23,7 @@ from pirate_sm.core.events import (
 )
 from pirate_sm.robot.control_panel.panel_file import Panel
 from pirate_sm.robot.control_panel.panel_reader import Connection, Happening, PanelCompanion
-from pirate_sm.robot.control_panel.presses import Press
+from pirate_sm.robot.control_panel.presses import LinePress, Press
 
 PANEL = Panel.model_validate(
     {
@@ -73,11 +75,18 @@ class Desk:
             valid_for_s=1.5,
             keyboard=keyboard,
             watching=watching,
+            places=self._place,
         )
         self.paused = False
+        self.breakpoints: tuple[str, ...] = ()
         self.configuration = HOLDING
         if begun:
             self.hear([])
+
+    def _place(self, line: str) -> str:
+        if line.endswith(":99"):
+            raise UsageError(f"{line}: nothing begins there")
+        return f"{line}:5"
 
     def taken(self) -> list[Happening]:
         waiting, self.waiting = self.waiting, []
@@ -89,7 +98,7 @@ class Desk:
         self.waiting += happened
         state: Any = SimpleNamespace(
             robot=SimpleNamespace(configuration=self.configuration),
-            mission=SimpleNamespace(paused=self.paused),
+            mission=SimpleNamespace(paused=self.paused, breakpoints=self.breakpoints),
         )
         logs = self.companion.look(state, now_s)
         return list(self.companion.speak(now_s)), [(each.level, each.message) for each in logs]
@@ -230,3 +239,24 @@ def test_where_people_need_not_watch_only_a_paused_mission_waits_for_them() -> N
     assert desk.companion.listening
     desk.companion.react((Ended("succeeded", "there"),), 11.0)
     assert not desk.companion.listening
+
+
+def test_lines_of_the_page_are_breakpoints_and_runs_to_them() -> None:
+    desk = Desk()
+    desk.breakpoints = ("m.yaml:3:5",)
+
+    events, logs = desk.hear(
+        [
+            LinePress("break", "m.yaml:4", "page"),
+            LinePress("break", "m.yaml:99", "page"),
+            LinePress("break", "m.yaml:3", "page"),
+            LinePress("until", "m.yaml:8", "page"),
+        ]
+    )
+
+    assert events == [
+        Breakpoints(("m.yaml:3:5", "m.yaml:4:5"), "page"),
+        Breakpoints(("m.yaml:4:5",), "page"),
+        Resume("page", "m.yaml:8:5"),
+    ]
+    assert logs == [("warning", "breakpoint at m.yaml:99: nothing begins there")]

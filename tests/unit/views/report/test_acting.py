@@ -49,3 +49,18 @@ def test_a_press_after_the_run_is_not_taken_for_done() -> None:
 def test_no_two_runs_have_the_same_token() -> None:
     assert Desk().acting.token != Desk().acting.token
     assert Desk().acting.press("", STOP) is not None
+
+
+def test_lines_of_the_mission_can_be_pressed_and_nothing_like_them() -> None:
+    desk = Desk()
+    for name in ("break m.yaml:28", "until two words.yaml:3"):
+        assert desk.press(name) == 0
+    for name in (
+        "break m.yaml",
+        "break a:b:3",
+        "until m.yaml:3\nstop",
+        "stop m.yaml:3",
+        "break :3",
+    ):
+        assert desk.press(name) == 400
+    assert desk.done == ["break m.yaml:28", "until two words.yaml:3"]

@@ -15,7 +15,7 @@ from pirate_sm.core.effects import Effect, Log, PhaseChange
 from pirate_sm.core.errors import UsageError
 from pirate_sm.robot.control_panel.panel_file import RunButton, WordButton
 from pirate_sm.robot.control_panel.panel_reader import Connection
-from pirate_sm.robot.control_panel.presses import Press
+from pirate_sm.robot.control_panel.presses import LinePress, Press
 from pirate_sm.views.report import page_process
 from pirate_sm.views.report.page_process import MOST_A_SECOND, PageProcess
 
@@ -76,6 +76,15 @@ def test_presses_are_those_of_buttons_and_a_stop_acts_by_itself(
     ]
 
 
+def test_lines_of_the_mission_are_pressed_too(played: Callable[[str], Desk]) -> None:
+    desk = played("print('break m.yaml:28\\nuntil a b.yaml:3', flush=True)")
+
+    assert desk.rest()[:-1] == [
+        LinePress("break", "m.yaml:28", "page"),
+        LinePress("until", "a b.yaml:3", "page"),
+    ]
+
+
 def test_a_press_that_comes_with_the_address_is_heard(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -93,6 +102,9 @@ def test_a_press_that_comes_with_the_address_is_heard(
     [
         "b'launch\\n'",
         "b'stop'",
+        "b'break m.yaml\\n'",
+        "b'break a:b:3\\n'",
+        "b'until m.yaml:3;stop\\n'",
         "b'\\xff\\xfe\\n'",
         "b'x' * 1_000_000",
         "b'pause\\n' * 1_000_000",
