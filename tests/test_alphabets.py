@@ -40,9 +40,9 @@ ALPHABETS = {
     ),
     "request of a person": Alphabet(
         "core/_model/events.py",
-        "| Skip | Abort",
+        "    | Skip\n    | Abort",
         "NewRequest(NamedTuple)",
-        ("core/_engine/engine.py", "core/_engine/inputs.py", "views/report/timeline.py"),
+        ("core/_engine/inputs.py", "views/report/timeline.py"),
     ),
     "effect": Alphabet(
         "core/effects.py",
@@ -59,6 +59,8 @@ ALPHABETS = {
             "core/_engine/mission/interpreter.py",
             "core/_engine/mission/program.py",
             "core/branches.py",
+            "running/runtime/breakpoints.py",
+            "views/console/stepping.py",
         ),
     ),
     "step": Alphabet(
