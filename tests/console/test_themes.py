@@ -25,7 +25,7 @@ KEYS = {
     "escape": "Esc", "left": "←", "right": "→", "up": "↑", "down": "↓", "home": "Home",
     "end": "End", "less_than_sign": "<", "greater_than_sign": ">", "full_stop": ".",
     "1": "1", "exclamation_mark": "!", "at": "@", "plus": "+", "minus": "-",
-    "equals_sign": "=", "number_sign": "#",
+    "equals_sign": "=", "number_sign": "#", "asterisk": "*",
 }  # fmt: skip
 """How the help page writes keys."""
 
