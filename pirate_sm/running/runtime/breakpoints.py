@@ -16,6 +16,9 @@ from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Enter, Finish
 from pirate_sm.core.spelling import meant
 
+_DIGITS = 10
+"""A number of so many digits is no line, and Python reads none of thousands."""
+
 
 class Breakable(NamedTuple):
     """A line before which a mission can pause: its first instruction.
@@ -94,7 +97,7 @@ def _found(text: str, loaded: LoadedMission, where: Sequence[Breakable]) -> Brea
         UsageError: There is none.
     """
     file, _, line = text.rpartition(":")
-    if not (line.isascii() and line.isdecimal()):
+    if not (line.isascii() and line.isdecimal() and len(line) < _DIGITS):
         named = {each.name: each for each in where if each.name}
         if text not in named:
             raise UsageError(f"the mission has no such phase: {meant(text, named)}")

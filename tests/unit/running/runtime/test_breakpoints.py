@@ -84,7 +84,9 @@ def test_all_that_cannot_be_met_is_named_with_what_was_probably_meant():
     assert "pass_bend.yaml" in lines[3]
 
 
-@pytest.mark.parametrize("text", ["", ":", "-3", "²", "close:close", "٣", "1e3", "\x1b[1m"])
+@pytest.mark.parametrize(
+    "text", ["", ":", "-3", "²", "close:close", "٣", "1e3", "\x1b[1m", "9" * 5000]
+)
 def test_odd_texts_are_refused_in_a_sentence(text):
     with pytest.raises(UsageError):
         breakpoints(BEND, [text])
