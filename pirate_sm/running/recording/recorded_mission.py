@@ -43,11 +43,7 @@ def recorded_mission(header: RunHeader) -> Iterator[LoadedMission]:
                 states=header.options.get("states"),
                 fitted=recorded_fit(header),
             )
-        names = _names(loaded, header)
-        documents = (
-            replace(each, name=names.get(each.name, each.name)) for each in loaded.documents
-        )
-        yield replace(as_recorded(loaded, header), documents=tuple(documents))
+        yield as_recorded(loaded, header)
 
 
 @contextmanager
@@ -104,11 +100,11 @@ def recorded_fit(header: RunHeader) -> Document | None:
 
 
 def as_recorded(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
-    """Return the mission with the joint zeros and the program of the run, and its places.
-
-    Documents keep their names: where it is another mission, that is told of by its own files.
-    """
-    names = _names(loaded, header)
+    """Return the mission with the file names, the joint zeros and the program of the run."""
+    names = {
+        document.name: file.name
+        for document, file in zip(loaded.documents, header.files, strict=False)
+    }
     instructions = tuple(_placed(each, names) for each in loaded.program.instructions)
     handlers = {each: tuple(_placed(it, names) for it in each) for each in loaded.program.handlers}
     in_force = tuple(handlers[each] for each in loaded.program.handlers)
@@ -120,12 +116,6 @@ def as_recorded(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
     if not header.zeros:
         return named
     return replace(named, robot=with_zeros(loaded.robot, dict(header.zeros)))
-
-
-def _names(loaded: LoadedMission, header: RunHeader) -> Mapping[str, str]:
-    """Return the names that documents had in the run, by those that they have now."""
-    pairs = zip(loaded.documents, header.files, strict=False)
-    return {document.name: file.name for document, file in pairs}
 
 
 def _placed(instruction: Any, names: Mapping[str, str]) -> Any:

@@ -101,7 +101,7 @@ class RunContents:
         descriptions = {name: each.description for name, each in loaded.mission.phases.items()}
         self._story = Story(descriptions, nominal=about.nominal)
         self._way, self._visits = RunPath(), PhaseVisits()
-        self._stepping = SteppingNotes(loaded)
+        self._stepping = SteppingNotes(loaded, tuple(about.files))
         self._holding = Holding(robot)
         self._clamped: deque[tuple[float, EngineState]] = deque(maxlen=_MOST_CLAMPS)
         self._forces: dict[float, str] = {}

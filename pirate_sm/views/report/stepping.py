@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from pirate_sm.core import effects as fx
 from pirate_sm.core.documents import Place
@@ -18,14 +19,18 @@ class SteppingNotes:
 
     Args:
         loaded: The mission.
+        files: Names of its files in the run, in their order: they are elsewhere now.
     """
 
-    def __init__(self, loaded: LoadedMission) -> None:
-        own, program = loaded.documents[0].name, loaded.program
+    def __init__(self, loaded: LoadedMission, files: Sequence[str] = ()) -> None:
+        now = loaded.documents
+        named = (replace(each, name=name) for each, name in zip(now, files, strict=False))
+        documents = (*named, *now[len(files) :])
+        own, program = documents[0].name, loaded.program
         self._program = program
         self._lines = {
             (each.place.file, each.place.line): each.line if each.place.file == own else 0
-            for each in breakables(loaded)
+            for each in breakables(replace(loaded, documents=documents))
         }
         pairs = tuple(zip(program.instructions, program.phase_of, strict=True))
         self._phases = {phase: it.place for it, phase in pairs if isinstance(it, Enter)}
