@@ -17,7 +17,7 @@ from pirate_sm.core.program import Enter, Finish
 from pirate_sm.core.spelling import meant
 
 _DIGITS = 10
-"""A number of so many digits is no line, and Python reads none of thousands."""
+"""No file has a line with a number of so many digits, and Python does not read one of thousands."""
 
 
 class Breakable(NamedTuple):
