@@ -1,6 +1,6 @@
-"""The picture of how far the bend holds, of the command that stands on the page about margins.
+"""The picture of how far the bend holds, made by the command on the page about margins.
 
-The command takes some ten minutes, so the picture is only taken anew if the page has another
+The command takes some ten minutes, so the picture is only taken again if the page has another
 command or other results, or if margins are drawn in another way.
 """
 

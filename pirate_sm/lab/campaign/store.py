@@ -24,7 +24,7 @@ from pirate_sm.core.on_disk import PART, is_file, opened, replace_file
 from pirate_sm.lab.campaign.chunk import RunRow
 
 if TYPE_CHECKING:
-    from pyarrow import Array, RecordBatch
+    from pyarrow import RecordBatch
     from pyarrow import Table as ArrowTable
 
 MARK = "campaign.json"
@@ -338,24 +338,13 @@ def _rows_in(batch: RecordBatch) -> list[RunRow]:
     names = [name for name in batch.schema.names if name.startswith(_DRAWN)]
     keys = [name.removeprefix(_DRAWN) for name in names]
     columns: dict[str, Iterable[Any]] = {
-        name: _list_of(batch.column(name)) if name in batch.schema.names else repeat(usual)
+        name: batch.column(name).to_pylist() if name in batch.schema.names else repeat(usual)
         for name, usual in ((each, RunRow._field_defaults.get(each)) for each in _PLAIN)
     }
-    values = zip(*(_list_of(batch.column(name)) for name in names), strict=True)
+    values = zip(*(batch.column(name).to_pylist() for name in names), strict=True)
     columns["drawn"] = [
         {key: value for key, value in zip(keys, row, strict=True) if value is not None}
         for row in (values if names else repeat((), batch.num_rows))
     ]
     ordered = (columns[name] for name in RunRow._fields)
     return [*map(RunRow._make, zip(*ordered, strict=False))]
-
-
-def _list_of(column: Array) -> list[Any]:
-    """Return the values of a column, numbers by way of NumPy, which is faster."""
-    from pyarrow import types
-
-    plain = column.null_count == 0 and not types.is_string(column.type)
-    values: list[Any] = (
-        column.to_numpy(zero_copy_only=False).tolist() if plain else column.to_pylist()
-    )
-    return values
